@@ -16,12 +16,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bench import ROOT, dataset  # noqa: E402
 from bench.cases import Case  # noqa: E402
 from bench.experiment import ALL, Experiment  # noqa: E402
-from bench.library import BELT, BRUSH, CLOCK, POLISHING, POLISHING_EDGE, SINGLES, TILT  # noqa: E402
+from bench.library import BELT, BRUSH, CLOCK, POLISHING, POLISHING_EDGE, SINGLES, TILT, ZERO  # noqa: E402
 from bench.noise import rms  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 TARGET_KEY = {int: "joint", str: "channel"}
-TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + CLOCK + TILT
+TEMPLATES = SINGLES + POLISHING + BELT + BRUSH + POLISHING_EDGE + CLOCK + TILT + ZERO
 
 
 def recorded(experiment: Experiment, effects: tuple, folder: Path) -> np.ndarray:

@@ -5,6 +5,7 @@ use super::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 use truecut_discrepancy::diagnose::{Alternative, Cause, Diagnosis, Evidence, Parameter, Verdict};
+use truecut_discrepancy::excite::{self, Outlook};
 
 /// Joints of the two-joint arm, whose files do not limit it.
 const LIMITS: &str = "[[excite.joint]]\njoint = 1\nlower_deg = -60\nupper_deg = 60\nspeed_deg_per_s = 90\n\
@@ -213,4 +214,35 @@ fn a_motion_tells_the_causes_of_an_ambiguous_diagnosis_apart() {
     let (distance, odds) = (number("planned"), number("log10_odds"));
     assert!(distance > 1.0, "{told}");
     assert!((odds - 0.5 * distance * distance / std::f64::consts::LN_10).abs() < 1e-9 * odds);
+}
+
+/// Offsets of a drive and of its sensor are one in every state: no motion is proposed. Two
+/// frictions are not.
+#[test]
+fn what_no_motion_tells_apart_is_not_proposed() {
+    let desk = Desk::new();
+    inverse(&desk);
+    let scenario = truecut_scenario::Scenario::load(&desk.path("arm.toml"), &[]).unwrap();
+    let outlook = |first: Cause, other: Cause| {
+        let diagnosis = Diagnosis {
+            verdict: Verdict::Ambiguous,
+            causes: vec![first],
+            alternatives: vec![Alternative {
+                causes: vec![other],
+                angle_deg: 0.0,
+                behind_t: 0.0,
+                criterion_difference: 0.0,
+            }],
+            ..Diagnosis::default()
+        };
+        excite::outlook(&scenario, &diagnosis)
+    };
+    let drive = || cause("joint_offset", "force_n_m", -30.0);
+    let sensor = Cause {
+        target: Some("joint2.drive_torque".to_owned()),
+        ..cause("sensor_offset", "offset", 30.0)
+    };
+    assert_eq!(outlook(drive(), sensor), Outlook::CannotTell);
+    let friction = cause("joint_coulomb", "friction_n_m", 3.0);
+    assert_eq!(outlook(drive(), friction), Outlook::MayTell);
 }

@@ -7,6 +7,7 @@ mod clearance;
 mod compare;
 mod diagnose;
 mod excite;
+mod fit;
 mod identify;
 mod kept;
 mod maps;

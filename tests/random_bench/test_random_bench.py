@@ -193,7 +193,7 @@ def _compared(scenario: Path, data: Path, out: Path) -> dict:
 
 
 # new ones at the end: the place says which case is drawn
-ACT_ON_TORQUES = (*sorted((*IN_INVERSE, "payload", "sensor_gain", "sensor_delay", "clock_delay")), "base_tilt")
+ACT_ON_TORQUES = (*sorted((*IN_INVERSE, "payload", "sensor_gain", "sensor_delay", "clock_delay")), "base_tilt", "joint_zero")
 
 
 @pytest.mark.parametrize("kind", ACT_ON_TORQUES)

@@ -5,14 +5,14 @@ use crate::model::{Chain, Frames, Joint, JointKind, Link, standard_gravity_m_s2}
 use std::f64::consts::TAU;
 
 /// Fewest joints of what is an arm; a rig of one or two may have any masses.
-const FEWEST_JOINTS: usize = 4;
+pub(crate) const FEWEST_JOINTS: usize = 4;
 /// Moving mass over the square of the reach, kg/m², of machines that there are: 15 of light
 /// collaborating arms, 450 of the heaviest.
 const LEAST_KG_PER_M2: f64 = 5.0;
 const MOST_KG_PER_M2: f64 = 1000.0;
 /// Reach of arms that there are: the smallest stand on a desk, the largest carry 2.3 t over 4.7 m.
 const LEAST_REACH_M: f64 = 0.1;
-const MOST_REACH_M: f64 = 10.0;
+pub(crate) const MOST_REACH_M: f64 = 10.0;
 /// Most turns to either side of a joint that an industrial arm has: cables do not bear more, and a
 /// wrist without end has no limits. A quarter of a turn in degrees would be 14 turns in radians.
 const MOST_TURNS: f64 = 12.0;
@@ -28,14 +28,14 @@ const RIGHT_ANGLE: f64 = 0.02;
 /// What speaks against the values of an arm.
 pub(crate) struct Doubts {
     pub(crate) notes: Vec<String>,
-    /// Why masses and inertias are not the arm's own: two signs of three, since one alone may be
-    /// chance, or a machine like no other.
+    /// Why masses and inertias are not the arm's own: two signs, since one alone may be chance, or a
+    /// machine like no other.
     pub(crate) placeholders: Option<String>,
 }
 
 /// Looks at masses, inertias, damping, lengths and limits for values that no machine has.
-pub(crate) fn of(chain: &Chain, frames: &Frames) -> Doubts {
-    let mut signs = Vec::new();
+/// `signs` are those of the robot's file that are known already.
+pub(crate) fn of(chain: &Chain, frames: &Frames, mut signs: Vec<String>) -> Doubts {
     let has_masses = chain.moving().all(|body| body.link.mass_kg > 0.0);
     if chain.joints.len() >= FEWEST_JOINTS && has_masses {
         if all_alike(&chain.links, |link| link.mass_kg) {

@@ -66,6 +66,7 @@ mod held;
 mod ik;
 mod ik_branches;
 mod ik_path;
+mod inertials;
 mod kinematics;
 mod load;
 mod mass_sum;

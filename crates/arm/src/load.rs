@@ -159,7 +159,7 @@ impl Robot {
             flange_from_tool: settings.flange_from_tool,
             flange_from_foot: settings.flange_from_foot,
         };
-        let doubts = doubts::of(&chain, &frames);
+        let doubts = doubts::of(&chain, &frames, tree.signs);
         chain.notes.extend(doubts.notes);
         chain.placeholders = doubts.placeholders;
         Ok(Self {

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Unit};
 
 use crate::bounds::{self, Masses};
 use crate::error::{ArmError, ArmErrorKind};
+use crate::inertials::Yardstick;
 use crate::mass_sum::MassSum;
 use crate::meshes::LinkMesh;
 use crate::model::{Chain, Joint, JointKind, Link, MAX_JOINTS, Solids, Transmission, Visual};
@@ -27,14 +28,32 @@ pub(crate) fn to_chain(
     let path = joints_to(tree, tip);
     check_path(tree, tip, &path)?;
     let mut notes = bounds::check(tree, &path, masses)?;
-    let tree = &*tree;
-    let segments = split(tree, &path);
+    let mut signs = Vec::new();
+    let made = chain_of(tree, &path, masses, &mut notes, &mut signs)?;
+    tree.signs = signs;
+    let (mut chain, last_link_from_flange) = made;
+    chain.tip.clone_from(&tree.links[tip].name);
+    chain.notes = notes;
+    Ok((chain, last_link_from_flange))
+}
+
+/// The chain of the joints `path`; adds what is told of it to `notes`, and what speaks against its
+/// masses to `signs`.
+fn chain_of(
+    tree: &Tree,
+    path: &[usize],
+    masses: Masses,
+    notes: &mut Vec<String>,
+    signs: &mut Vec<String>,
+) -> Result<(Chain, Isometry3<f64>), ArmError> {
+    let segments = split(tree, path);
+    let mut yardstick = Yardstick::of(tree, segments.len() - 1);
     let mut massless_links: Vec<&str> = Vec::new();
     let mut parts = Parts::default();
     for segment in &segments {
         let mut body = MergedBody::default();
         for &(link, pose) in &segment.links {
-            body.collect(tree, link, &pose, &path, &mut notes);
+            body.collect(tree, link, &pose, path, notes);
         }
         if let Some((j, _)) = segment.joint
             && body.masses.mass_kg == 0.0
@@ -44,10 +63,14 @@ pub(crate) fn to_chain(
             }
             massless_links.push(&tree.links[tree.joints[j].child].name);
         }
+        let members = std::mem::take(&mut body.members);
         let link = body.into_link(&tree.links[segment.links[0].0].name);
-        parts.take(tree, segment.joint, link, &mut notes);
+        if segment.joint.is_some() && masses == Masses::Needed {
+            signs.extend(yardstick.judge(tree, &link, &members)?);
+        }
+        parts.take(tree, segment.joint, link, notes);
     }
-    notes.extend(held_followers(tree, &path));
+    notes.extend(held_followers(tree, path));
     if !massless_links.is_empty() {
         notes.push(format!(
             "no mass is known of {}: only questions of kinematics can be answered",
@@ -58,14 +81,14 @@ pub(crate) fn to_chain(
     let last_link_from_flange = flange.map_or_else(Isometry3::identity, |&(_, pose)| pose);
     let chain = Chain {
         name: tree.name.clone(),
-        followers: parts.followers(tree, &mut notes),
+        followers: parts.followers(tree, notes),
         joints: parts.joints,
         links: parts.links,
         base: parts
             .base
             .unwrap_or_else(|| MergedBody::default().into_link("")),
-        tip: tree.links[tip].name.clone(),
-        notes,
+        tip: String::new(),
+        notes: Vec::new(),
         estimated_masses: Vec::new(),
         placeholders: None,
     };
@@ -295,6 +318,8 @@ struct MergedBody {
     visuals: Vec<Visual>,
     meshes: Vec<LinkMesh>,
     solids: Solids,
+    /// The links that it is made of.
+    members: Vec<usize>,
 }
 
 impl MergedBody {
@@ -339,6 +364,7 @@ impl MergedBody {
 
     fn add(&mut self, tree: &Tree, index: usize, body_from_link: &Isometry3<f64>) {
         let link = &tree.links[index];
+        self.members.push(index);
         let pose = body_from_link * link.link_from_inertial;
         self.masses.add(link.mass_kg, &pose, &link.inertia_kg_m2);
         self.visuals

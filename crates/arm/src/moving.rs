@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Isometry3, Matrix6xX, Translation3, Unit, UnitQuaternion, Vector3};
 
 use crate::error::{ArmError, ArmErrorKind};
-use crate::model::{Chain, JointKind, Limits, Link, Robot};
+use crate::model::{Chain, Joint, JointKind, Limits, Link, Robot};
 
 /// A joint that another one of the chain takes along (`<mimic>` of a URDF), as gears or rods do:
 /// its coordinate is `multiplier` times that of the other, and `offset`. It has no transmission of
@@ -67,6 +67,14 @@ pub(crate) fn motion(kind: JointKind, axis: &Unit<Vector3<f64>>, q: f64) -> Isom
             Translation3::from(axis.into_inner() * q),
             UnitQuaternion::identity(),
         ),
+    }
+}
+
+impl Joint {
+    /// Counts the coordinate from `by` beyond where it was counted from, rad (m): at every
+    /// coordinate the link stands where it stood at `by` more.
+    pub fn shift_zero(&mut self, by: f64) {
+        self.parent_from_joint *= motion(self.kind, &self.axis, by);
     }
 }
 

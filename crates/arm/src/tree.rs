@@ -33,6 +33,8 @@ pub(crate) struct TreeLink {
     pub(crate) visuals: Vec<Visual>,
     /// Where mass, centre and inertia come from, if not from the URDF.
     pub(crate) mass_source: Option<String>,
+    /// File and line of them, if not of the URDF.
+    pub(crate) mass_place: Option<(PathBuf, Option<usize>)>,
     pub(crate) meshes: Vec<MeshReference>,
     /// Those that are drawn and were found on disk.
     pub(crate) drawn: Vec<LinkMesh>,
@@ -109,6 +111,8 @@ pub(crate) struct Tree {
     pub(crate) notes: Vec<String>,
     /// What speaks against its values.
     pub(crate) doubts: Vec<String>,
+    /// What makes its masses and inertias look like placeholders.
+    pub(crate) signs: Vec<String>,
 }
 
 impl Tree {

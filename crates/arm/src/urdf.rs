@@ -39,6 +39,7 @@ pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
         root: 0,
         notes,
         doubts: doubts::of_turns(&urdf).into_iter().collect(),
+        signs: Vec::new(),
     };
     for (urdf_joint, lines) in joints {
         let joint = joint(urdf_joint, lines, &index, path)?;
@@ -116,6 +117,7 @@ fn link(urdf: &urdf_rs::Link, lines: ElementLines, palette: &Palette) -> TreeLin
             i.ixz, i.iyz, i.izz,
         ),
         mass_source: None,
+        mass_place: None,
         meshes: Vec::new(),
         drawn: Vec::new(),
         solids: Solids::default(),

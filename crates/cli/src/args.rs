@@ -206,12 +206,21 @@ const MOST_JOBS: usize = 1024;
 const MOST_THREADS_PER_CORE: usize = 4;
 
 fn parse_set(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((key, value)) if !key.trim().is_empty() && !value.trim().is_empty() => {
-            Ok((key.trim().to_owned(), value.trim().to_owned()))
-        }
-        _ => Err("write KEY=VALUE, e.g. process.chamfer.spindle_rpm=400".into()),
-    }
+    parse_pair(text)
+        .ok_or_else(|| "write KEY=VALUE, e.g. process.chamfer.spindle_rpm=400".to_owned())
+}
+
+/// An argument of a xacro file, or where a package is.
+fn parse_named(text: &str) -> Result<(String, String), String> {
+    parse_pair(text).ok_or_else(|| "write NAME=VALUE, e.g. prefix=left_".to_owned())
+}
+
+fn parse_pair(text: &str) -> Option<(String, String)> {
+    let (key, value) = text
+        .split_once('=')
+        .map(|pair| (pair.0.trim(), pair.1.trim()))?;
+    let is_whole = !key.is_empty() && !value.is_empty();
+    is_whole.then(|| (key.to_owned(), value.to_owned()))
 }
 
 #[cfg(test)]

@@ -71,8 +71,11 @@ fn of_table(one: &InspectedTable) -> String {
 fn of_time(time: &TimeFacts) -> String {
     let [first, last] = time.span_s;
     let (name, unit) = &time.base;
+    let guessed = time
+        .guessed
+        .map_or_else(String::new, |why| format!(" (a guess, {why})"));
     let mut text = format!(
-        "  times: {name} [{}], {} s from {} s on; {} Hz in the median, jitter {} s\n",
+        "  times: {name} [{}]{guessed}, {} s from {} s on; {} Hz in the median, jitter {} s\n",
         unit.symbol,
         significant(last - first, 5),
         short(first),
@@ -172,6 +175,7 @@ struct TableTold<'a> {
 struct TimeTold<'a> {
     column: &'a str,
     unit: &'a str,
+    unit_guessed: Option<&'a str>,
     from_s: f64,
     to_s: f64,
     rate_hz: f64,
@@ -230,6 +234,7 @@ impl<'a> TimeTold<'a> {
         TimeTold {
             column: &time.base.0,
             unit: &time.base.1.symbol,
+            unit_guessed: time.guessed,
             from_s: time.span_s[0],
             to_s: time.span_s[1],
             rate_hz: time.rate_hz,

@@ -42,8 +42,13 @@ fn text(report: &FitReport) -> String {
     );
     let rows = report.parameters.iter().map(|one| {
         vec![
-            four(one.value),
-            interval(one.interval),
+            if one.seen {
+                four(one.value)
+            } else {
+                "–".to_owned()
+            },
+            one.interval
+                .map_or_else(|| "not seen in these data".to_owned(), interval),
             one.unit.clone(),
             four(one.nominal),
             one.name.clone(),
@@ -75,6 +80,9 @@ fn text(report: &FitReport) -> String {
     text += "\n";
     let aligns = [Left, Right, Right, Right, Right, Left, Right, Right];
     text += &table(&aligns, &headed(&head, report.channels.iter().map(channel)));
+    for warning in &report.warnings {
+        text += &format!("  doubtful: {warning}\n");
+    }
     text + &notes(&report.notes)
 }
 

@@ -41,6 +41,15 @@ pub struct CurveCandidate {
     pub least: f64,
 }
 
+/// Another set-up than the scenario's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SetUp {
+    /// What would be otherwise, and the keys to look at.
+    pub told: String,
+    /// What the nominal model predicts then, with the friction that fits best.
+    pub predicted: Columns,
+}
+
 /// A simulation that could not be run to its end.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{0}")]
@@ -115,6 +124,12 @@ pub trait Model: Sync {
     /// of excitation.
     fn is_steady(&self) -> bool {
         false
+    }
+
+    /// Other set-ups that people mistake for one another: which way the arm hangs, how fast the
+    /// clock of the data is.
+    fn set_ups(&self) -> Vec<SetUp> {
+        Vec::new()
     }
 
     /// Other possible experiments, to distinguish causes.

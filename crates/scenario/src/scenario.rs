@@ -29,7 +29,7 @@ use crate::relocate;
 use crate::robot::{RobotSpec, RobotTable};
 use crate::run::RunSpec;
 use crate::sweep::SweepSpec;
-use crate::uncertain::UncertainSpec;
+use crate::uncertain::{self, UncertainSpec};
 use crate::windows;
 use tables::ScenarioTable;
 
@@ -303,9 +303,11 @@ impl ScenarioTable {
         }
         let touches = !matches!(process, Some(ProcessSpec::Load(_) | ProcessSpec::Replay(_)));
         let data = (self.data).and_then(|data| data.resolve(&folder, touches, &mut check));
-        let uncertain = (self.uncertain.unwrap_or_default().into_iter().enumerate())
-            .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
-            .collect();
+        let uncertain: Vec<UncertainSpec> =
+            (self.uncertain.unwrap_or_default().into_iter().enumerate())
+                .filter_map(|(index, one)| one.resolve(&format!("uncertain.{index}"), &mut check))
+                .collect();
+        uncertain::refuse_twice(&uncertain, &mut check);
         let fit = (self.fit).map(|fit| fit.resolve(process.as_ref(), &mut check));
         let excite = (self.excite).map(|excite| excite.resolve(&mut check));
         let facts = process.as_ref().map(ProcessSpec::facts);

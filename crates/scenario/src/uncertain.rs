@@ -47,6 +47,17 @@ const FACTORS: [&str; 3] = [
     "robot.damping_scale",
 ];
 
+/// Refuses a key that has a spread already: which of both would hold?
+pub(crate) fn refuse_twice(all: &[UncertainSpec], check: &mut Check) {
+    for (index, one) in all.iter().enumerate() {
+        if all[..index].iter().any(|other| other.key == one.key) {
+            let at = format!("uncertain.{index}.key");
+            let message = format!("`{at}` is \"{}\", which has a spread already", one.key);
+            check.refuse(Fault::value(&at, message, "given twice"));
+        }
+    }
+}
+
 impl UncertainTable {
     /// `table` is the dotted path of this table. `None` after recording a fault.
     pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Option<UncertainSpec> {

@@ -55,6 +55,8 @@ pub(crate) struct Cell {
     torque_use: TorqueUse,
     /// Why the arm's masses are not its own, where that fails the run.
     placeholders: Option<String>,
+    /// That the clock of the data runs faster than the plant steps.
+    hasty_clock: Option<String>,
     deflection: Option<PathDeflection>,
     scalars: Vec<Scalar>,
     /// Nothing but rows is asked for.
@@ -243,6 +245,9 @@ impl Cell {
             self.plant.drift();
         }
         let findings = self.process.finish();
+        if let (Outcome::Diverged { rule, .. }, Some(told)) = (&mut outcome, &self.hasty_clock) {
+            *rule += &format!("; {told}");
+        }
         if outcome == Outcome::Completed {
             // What is asked of the drives rests on the masses, too.
             outcome = match self.placeholders.take() {

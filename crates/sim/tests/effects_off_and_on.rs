@@ -114,6 +114,7 @@ fn size(kind: EffectKind) -> Vec<f64> {
         K::JointRipple => vec![2e-5, -1e-5, 80.0],
         K::JointCounterbalance => vec![800.0, -300.0],
         K::JointOffset => vec![60.0],
+        K::JointZero => vec![0.01],
         K::JointPositionCurve => vec![-3.0, 3.0, 60.0, -40.0, 80.0],
         K::JointFrictionByPosition => vec![-3.0, 3.0, 30.0, 50.0, 20.0],
         K::JointFrictionBySpeed => vec![0.0, 0.1, 30.0, 20.0, 60.0],

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use truecut_discrepancy::spikes;
 use truecut_recording::UserUnit;
-use truecut_recording::measured::{ColumnFacts, TableFacts, facts};
+use truecut_recording::measured::{ColumnFacts, TableFacts, TimeFacts, facts};
 use truecut_telemetry::{FileError, read_tables};
 
 /// A file of measured data as it was found.
@@ -72,19 +72,24 @@ fn suggested(path: &Path, header: bool, tables: &[InspectedTable]) -> String {
 /// The keys of the times. Topics of a log have the same clocks, unless one has no header.
 fn time(tables: &[InspectedTable]) -> String {
     let times = tables.iter().filter_map(|table| table.facts.time.as_ref());
-    let mut bases: Vec<&(String, UserUnit)> = times.map(|time| &time.base).collect();
+    let mut times: Vec<&TimeFacts> = times.collect();
     // The clock that all have, in a log where some have no stamps.
-    bases.sort_by_key(|(name, _)| name != "log_time");
-    match bases.first() {
-        Some((name, unit)) => {
-            let unit = match unit.symbol.as_str() {
-                "s" => String::new(),
-                other => format!("time_unit = {}\n", quoted(other)),
-            };
-            format!("time = {}\n{unit}", quoted(name))
+    times.sort_by_key(|time| time.base.0 != "log_time");
+    let Some(TimeFacts { base, guessed, .. }) = times.first() else {
+        return "rate_hz = 1000.0 # not in the file: give its rate\n".to_owned();
+    };
+    let (name, unit) = base;
+    let unit = match (unit.symbol.as_str(), guessed) {
+        ("s", None) => String::new(),
+        (unit, None) => format!("time_unit = {}\n", quoted(unit)),
+        (unit, Some(why)) => {
+            format!(
+                "time_unit = {} # a guess, {why}: not in the file\n",
+                quoted(unit)
+            )
         }
-        None => "rate_hz = 1000.0 # not in the file: give its rate\n".to_owned(),
-    }
+    };
+    format!("time = {}\n{unit}", quoted(name))
 }
 
 fn channel(column: &ColumnFacts, taken: &mut Vec<String>) -> String {

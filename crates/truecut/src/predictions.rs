@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use truecut_discrepancy::model::{
-    Candidate, Columns, CurveCandidate, Experiment, Model, PredictError,
+    Candidate, Columns, CurveCandidate, Experiment, Model, PredictError, SetUp,
 };
 use truecut_files::continued;
 use truecut_recording::ChannelSpec;
@@ -298,6 +298,10 @@ impl Model for KeptModel<'_> {
 
     fn is_steady(&self) -> bool {
         self.model.is_steady()
+    }
+
+    fn set_ups(&self) -> Vec<SetUp> {
+        self.model.set_ups()
     }
 
     fn experiments(&self) -> Vec<Experiment> {

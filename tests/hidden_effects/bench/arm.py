@@ -42,6 +42,11 @@ def model_of(robot: Robot, effects: list[Effect]) -> mujoco.MjModel:
         spec.joint(TILT).stiffness = [1.0 / _compliance(tilt), 0.0, 0.0]
         base = next(body for body in spec.bodies if body.name == "base")
         _give_mass(base, 1e-6, 1e-9)
+    own = [joint for joint in spec.joints if joint.name != TILT]
+    for effect in effects:
+        if effect.kind == "joint_zero":
+            # the coordinate at which the links stand as the file draws them
+            own[effect.target - 1].ref = -effect.values["offset_rad"]
     flange = next(site.parent for site in spec.sites if site.name == "flange")
     for effect in effects:
         v = effect.values

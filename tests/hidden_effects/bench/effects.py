@@ -21,6 +21,7 @@ KINDS: dict[str, tuple[dict[str, float], tuple[str, ...]]] = {
     "joint_ripple": ({"cosine_rad": 0.0, "sine_rad": 0.0}, ("cycles",)),
     "joint_counterbalance": ({"cosine_n_m": 0.0, "sine_n_m": 0.0}, ()),
     "joint_offset": ({"force_n_m": 0.0}, ()),
+    "joint_zero": ({"offset_rad": 0.0}, ()),
     "payload": ({"mass_kg": 0.0}, ("center_x_m", "center_y_m", "center_z_m")),
     "base_compliance": ({"compliance_rad_per_n_m": 0.0}, ()),
     "base_tilt": ({"angle_rad": 0.0}, ()),

@@ -99,7 +99,7 @@ class JointLaw:
             self.drag = v["drag_n_m_s2_per_rad2"]
         elif kind == "outside_place_dependent_friction":
             self.place_level, self.place_cycles = v["level_n_m"], v["cycles"]
-        else:
+        elif kind != "joint_zero":  # the arm is built with it
             raise ValueError(f"{kind} is no effect of a joint")
 
     def windup(self, theta: float, theta_rate: float, q: float, q_rate: float) -> tuple[float, float]:

@@ -143,6 +143,12 @@ CLOCK = (
 # The base does not stand level.
 TILT = (Template("two_joint", "base_tilt", "y", {"angle_rad": 0.05}),)
 
+# The zeros of both joints are off.
+ZERO = (
+    Template("two_joint", "joint_zero", 1, {"offset_rad": 0.03}),
+    Template("two_joint", "joint_zero", 2, {"offset_rad": -0.04}),
+)
+
 
 def single(kind: str, experiment: str = "axis") -> Template:
     """The first template of a kind on an experiment."""

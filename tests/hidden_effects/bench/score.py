@@ -37,6 +37,7 @@ ON_SLIDES = {
     "cubic_n_per_m3": "cubic_n_m_per_rad3",
     "cosine_m": "cosine_rad",
     "sine_m": "sine_rad",
+    "offset_m": "offset_rad",
     "cosine_n": "cosine_n_m",
     "sine_n": "sine_n_m",
     "force_n": "force_n_m",

@@ -19,6 +19,9 @@ from .arms import ArmDraw, draw_arm, draw_urdf
 from .laws import Foreign, against
 from .moving import STILL_SAMPLES, Moving
 
+# what an arm is with, rather than what acts in its joints
+BUILT_IN = ("payload", "base_tilt", "joint_zero")
+
 
 @dataclass(frozen=True)
 class Uncertain:
@@ -192,7 +195,7 @@ class Inverse(Experiment):
         """Fine times and torques."""
         of_one = np.array([1.0 + one.deviation * shift for one, shift in zip(self.uncertain, shifts)])
         factors = of_one if self.links else np.full(self.joints, of_one[0])
-        built = [e for e in effects if e.kind in ("payload", "base_tilt")]
+        built = [e for e in effects if e.kind in BUILT_IN]
         key = ("needed", repr(built), tuple(factors))
         if key not in self.kept:
             self.kept[key] = (self.fine, self.needed(built, factors))
@@ -200,7 +203,7 @@ class Inverse(Experiment):
         rotor = self.arm.rotor * (1.0 if self.links else of_one[0])
         found = self.kept[key][1].copy()
         for j in range(self.joints):
-            mine = [e for e in effects if e.target == j + 1]
+            mine = [e for e in effects if e.target == j + 1 and e not in built]
             if mine:
                 found[:, j] += against(mine, found[:, j], self.fine, self.q[:, j], self.v[:, j], self.v)
         # the drive turns its rotor itself: that does not pass through the transmission

@@ -11,6 +11,15 @@ from .laws import IN_INVERSE, JOINT_FORMS, SENSOR_FORMS, Foreign, sized
 IN_TRANSMISSIONS = ("joint_stiffness", "joint_damping", "joint_backlash", "joint_hysteresis", "joint_cubic_stiffness")
 IN_JOINTS = (*IN_INVERSE, *IN_TRANSMISSIONS)
 PUSHED_JOINTS = tuple(kind for kind in IN_JOINTS if kind not in ("joint_counterbalance", "joint_stribeck"))
+SIGNED = (
+    "base_tilt",
+    "joint_offset",
+    "joint_zero",
+    "sensor_offset",
+    "sensor_drift",
+    "sensor_gain",
+    "joint_stiffness",
+)
 SENSORS = ("sensor_delay", "sensor_gain", "sensor_offset")
 MORE_SENSORS = (*SENSORS, "sensor_drift", "sensor_low_pass")
 # the second holds the first as a special case: it explains what the first does, and that is no error
@@ -29,6 +38,7 @@ def kinds(experiment: Experiment) -> list[tuple[str, int | str | None]]:
         of_joints = (*IN_JOINTS, "joint_ripple") if experiment.mode == "forward" else PUSHED_JOINTS
         of_channels = MORE_SENSORS
     found: list[tuple[str, int | str | None]] = [(kind, joint) for kind in of_joints for joint in joints]
+    found += [("joint_zero", joint) for joint in joints]
     found.append(("payload", None))
     # gravity points along z
     found += [("base_tilt", axis) for axis in "xy"]
@@ -54,6 +64,7 @@ def scales(experiment: Experiment, kind: str, target) -> list[float]:
             "joint_stribeck": [effort],
             "joint_counterbalance": [effort] * 2,
             "joint_offset": [effort],
+            "joint_zero": [0.01],
             "joint_stiffness": [-0.1],
             "joint_damping": [1.0],
             "joint_backlash": [0.2 * windup],
@@ -116,7 +127,7 @@ def draw_known(draw: np.random.Generator, experiment: Experiment, kind: str, tar
     elif kind in ("joint_counterbalance", "joint_ripple"):
         turn = draw.uniform(0.0, 2.0 * np.pi)
         amount = 1.4 * np.array([np.cos(turn), np.sin(turn)])
-    elif kind in ("base_tilt", "joint_offset", "sensor_offset", "sensor_drift", "sensor_gain", "joint_stiffness"):
+    elif kind in SIGNED:
         amount *= draw.choice([-1.0, 1.0])
     (shape,) = shapes(experiment, kind, target, draw)
     return effect_at(experiment, kind, target, list(size * amount), shape)
@@ -140,7 +151,7 @@ def is_possible(effect) -> bool:
     v = getattr(effect, "values", {})
     if "factor" in v:
         return 0.3 < v["factor"] < 10.0
-    if abs(v.get("angle_rad", 0.0)) > 0.3:
+    if abs(v.get("angle_rad", v.get("offset_rad", 0.0))) > 0.3:
         return False
     return v.get("share", 0.0) < 0.5 and abs(v.get("delay_s", 0.0)) < 0.05
 

@@ -31,7 +31,9 @@ impl ConfigFile<'_> {
                     name: name.to_owned(),
                     first_line: *first_line,
                 }),
-                None => entered(raw, tree),
+                None => entered(raw, tree).map(|link| {
+                    link.mass_place = Some((self.path.to_owned(), line.into()));
+                }),
             };
             seen.push((name, line));
             if let Err(kind) = entered {
@@ -67,7 +69,7 @@ impl ConfigFile<'_> {
 }
 
 /// Enters the mass of one link; leaves the link as it is where that is wrong.
-fn entered(raw: &RawLink, tree: &mut Tree) -> Result<(), ArmErrorKind> {
+fn entered<'a>(raw: &RawLink, tree: &'a mut Tree) -> Result<&'a mut TreeLink, ArmErrorKind> {
     let at = numbered(raw.name.get_ref(), tree)?;
     let link = &mut tree.links[at];
     let given = given(
@@ -78,7 +80,7 @@ fn entered(raw: &RawLink, tree: &mut Tree) -> Result<(), ArmErrorKind> {
         &raw.source,
     )?;
     *link = given;
-    Ok(())
+    Ok(link)
 }
 
 /// A link with other mass, centre and inertia.

@@ -24,6 +24,7 @@ use crate::model::{Chain, JointKind, Robot};
 use crate::packages::Packages;
 use limits::LimitRule;
 use masses::{LinkMass, MassRule};
+pub(crate) use plausible::short;
 
 /// What a data sheet says.
 #[derive(Debug, Clone, Copy, PartialEq)]

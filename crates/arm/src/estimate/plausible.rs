@@ -3,7 +3,7 @@
 
 use super::{DataSheet, Lengths};
 use crate::error::{ArmError, ArmErrorKind};
-use crate::model::Chain;
+use crate::model::{Chain, JointKind};
 
 /// Fewest joints of what is an arm; a rig of fewer may have any masses.
 const FEWEST_JOINTS: usize = 4;
@@ -89,10 +89,16 @@ pub(super) fn notes(
     let mut figures = Vec::new();
     let length_m = lengths.reach;
     if let Some(reach_m) = sheet.reach_m {
+        let travel_m = travel_m(chain);
+        let length_m = length_m + travel_m;
+        let travel = match travel_m > 0.0 {
+            true => format!(", {} m of travel of its slides included", short(travel_m)),
+            false => String::new(),
+        };
         figures.push(Figure {
             given: format!("--reach {reach_m} m"),
             comes_to: format!(
-                "is {} of the {length_m:.3} m from the first joint to the flange along the stretched chain of the file",
+                "is {} of the {length_m:.3} m from the first joint to the flange along the stretched chain of the file{travel}",
                 short(reach_m / length_m)
             ),
             // A data sheet is rounded to millimetres.
@@ -118,6 +124,14 @@ pub(super) fn notes(
         notes.extend(figure.judged()?);
     }
     Ok(notes)
+}
+
+/// How far all slides of a chain travel together, those without limits left out.
+fn travel_m(chain: &Chain) -> f64 {
+    let slides = chain.joints.iter();
+    let slides = slides.filter(|joint| joint.kind == JointKind::Prismatic);
+    let travel = slides.filter_map(|joint| joint.limits.map(|own| own.upper - own.lower));
+    travel.filter(|travel| travel.is_finite()).sum()
 }
 
 fn of_mass(chain: &Chain, length_m: f64, sheet: &DataSheet) -> [Figure<'static>; 2] {
@@ -151,7 +165,7 @@ fn of_mass(chain: &Chain, length_m: f64, sheet: &DataSheet) -> [Figure<'static>;
 }
 
 /// Three digits.
-fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let rounded = format!("{value:.2e}").parse::<f64>();
     format!("{}", rounded.unwrap_or(value))
 }

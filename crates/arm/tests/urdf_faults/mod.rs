@@ -159,4 +159,33 @@ pub const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
         &["\"elbow\"", "origin", "1e4 m"],
     ),
     ("xacro", Some(22), &["${length}", "is called .xacro"]),
+    (
+        "inertia_in_kg_mm2",
+        Some(16),
+        &[
+            "\"upper\"",
+            "radius of gyration about its centre is 127 m",
+            "more than the whole arm is long",
+            "in kg mm^2 it were 0.127 m",
+        ],
+    ),
+    (
+        "inertia_denser_than_osmium",
+        Some(16),
+        &[
+            "\"upper\"",
+            "0.00403 m",
+            "a ball of osmium",
+            "in t m^2 it were 0.127 m",
+        ],
+    ),
+    (
+        "centre_in_mm",
+        Some(14),
+        &[
+            "\"upper\"",
+            "200 m from the link's frame",
+            "given in m; in mm it were 0.2 m",
+        ],
+    ),
 ];

@@ -6,7 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use truecut_arm::{FrameId, Masses, Packages, Reading};
 
 use super::number::above_zero;
-use super::parse_set;
+use super::parse_named;
 
 /// Which robot, and where what it names is found.
 #[derive(Debug, Args)]
@@ -16,10 +16,10 @@ pub struct RobotSource {
     pub tip: Option<String>,
     /// Folder of a package that the file names; may be repeated. ROS_PACKAGE_PATH is searched, too,
     /// and so are the folders beside the robot's own package
-    #[arg(long = "package", value_name = "NAME=DIR", value_parser = parse_set)]
+    #[arg(long = "package", value_name = "NAME=DIR", value_parser = parse_named)]
     packages: Vec<(String, String)>,
     /// Argument of a xacro file; may be repeated
-    #[arg(long = "arg", value_name = "NAME=VALUE", value_parser = parse_set)]
+    #[arg(long = "arg", value_name = "NAME=VALUE", value_parser = parse_named)]
     arguments: Vec<(String, String)>,
 }
 

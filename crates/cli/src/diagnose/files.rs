@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use truecut_discrepancy::diagnose::{Diagnosis, Verdict};
-use truecut_discrepancy::excite;
+use truecut_discrepancy::excite::{self, Outlook};
 use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
 
@@ -104,18 +104,25 @@ pub fn write(
     Ok(written)
 }
 
-/// The command that plans a motion which tells the causes apart; `None` where no motion is planned,
-/// or the causes are not ambiguous.
+/// What a motion could do to tell the causes apart: the command that plans one, or that none can;
+/// `None` where no motion is planned, or the causes are not ambiguous.
 fn excite(scenario: &Scenario, diagnosis: &Diagnosis, answer: &Path) -> Option<String> {
-    let is_ambiguous =
-        diagnosis.verdict == Verdict::Ambiguous && !diagnosis.alternatives.is_empty();
-    (is_ambiguous && excite::can_plan(scenario)).then(|| {
-        format!(
-            "truecut excite {} --diagnosis {}",
+    if diagnosis.verdict != Verdict::Ambiguous || diagnosis.alternatives.is_empty() {
+        return None;
+    }
+    match excite::outlook(scenario, diagnosis) {
+        Outlook::NotPlanned => None,
+        Outlook::CannotTell => Some(
+            "no motion tells them apart: they change the drive forces alike in every state of the arm; another \
+             sensor would, or a look at the machine"
+                .to_owned(),
+        ),
+        Outlook::MayTell => Some(format!(
+            "a motion that tells them apart, and by how much the odds grow: truecut excite {} --diagnosis {}",
             scenario.path().display(),
             answer.display()
-        )
-    })
+        )),
+    }
 }
 
 /// The user's file with refitted values and effects; relative paths lead from the new folder to the

@@ -272,10 +272,8 @@ pub fn printed(trial: &Trial, confirmed: &Confirmed, written: &Written) -> Strin
     }
     text.push_str(&causes(diagnosis));
     text.push_str(&alternatives(diagnosis));
-    if let Some(command) = &written.excite {
-        text.push_str(&format!(
-            "  a motion that tells them apart, and by how much the odds grow: {command}\n"
-        ));
+    if let Some(told) = &written.excite {
+        text.push_str(&format!("  {told}\n"));
     }
     text.push_str(&gain(diagnosis));
     text.push_str(&seen(diagnosis));

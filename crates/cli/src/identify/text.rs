@@ -57,6 +57,7 @@ fn joint(joint: &JointStiffness) -> Vec<String> {
             (Some(false), Some(value), Some(nominal)) => {
                 format!("✗ {} times the file's", significant(value / nominal, 3))
             }
+            (None, Some(_), Some(_)) => "not judged: see the notes".to_owned(),
             _ => String::new(),
         },
         Status::LowerBound if joint.confused_with.is_empty() => {

@@ -6,7 +6,7 @@ use truecut_scenario::effect::{Effect, ParameterInfo};
 
 use super::Between;
 use super::split::{bounds, split, twin};
-use crate::model::{Candidate, Columns, Model, PredictError};
+use crate::model::{Candidate, Columns, CurveCandidate, Model, PredictError};
 use crate::trial::Trial;
 use crate::trial::cache::Cache;
 
@@ -166,9 +166,12 @@ impl Model for Change<'_> {
         )
     }
 
-    fn curves(&self) -> Vec<(Candidate, [f64; 2])> {
+    fn curves(&self) -> Vec<CurveCandidate> {
         let mut curves = self.pair.second.curves();
-        curves.retain(|(one, _)| twin(&self.shared, &[], one.kind, &one.target).is_none());
+        curves.retain(|curve| {
+            let one = &curve.candidate;
+            twin(&self.shared, &[], one.kind, &one.target).is_none()
+        });
         curves
     }
 

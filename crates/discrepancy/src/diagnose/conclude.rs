@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::ambiguity::{Rival, experiments, rivals};
 use super::answer::{Diagnosis, VERSION, Verdict, names};
 use super::ceiling::{Bound, bound as bound_on};
-use super::doubts::doubts;
+use super::doubts::{at_bound, doubts};
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
 use super::floor::{Floor, NoiseSource, floors, left_beyond};
@@ -96,6 +96,13 @@ pub(super) fn conclude(
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
     judge(problem, excess, &outcome, &mut diagnosis);
+    if let (Verdict::Named, Some(bound)) = (diagnosis.verdict, at_bound(problem, &last)) {
+        diagnosis.verdict = Verdict::UnknownCause;
+        diagnosis.reason = format!(
+            "No size of the effects known fits: {bound}. {}",
+            diagnosis.reason
+        );
+    }
     test_part::open_test(problem, &base, &last, &mut diagnosis);
     let last = match unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)? {
         None => last,

@@ -10,6 +10,24 @@ use crate::stats::deviation;
 /// Two causes cancel if together they change less than this part of what each does.
 const CANCELLING: f64 = 0.25;
 
+/// The first size of an effect that lies at an end of its range, which is no size that was found.
+pub(super) fn at_bound(problem: &Problem, fit: &Fit) -> Option<String> {
+    fit.point.effects.iter().find_map(|effect| {
+        let infos = problem.infos(effect.candidate);
+        let mut sizes = infos.iter().zip(&effect.values).enumerate();
+        let (i, (_, value)) = sizes.find(|(_, (info, value))| {
+            let is_bound = **value == info.min || **value == info.max;
+            info.is_size && is_bound && **value != info.neutral
+        })?;
+        let (key, unit) = key_and_unit(problem, effect.candidate, i);
+        Some(format!(
+            "`{key}` of {} lies at the end of its range, {} {unit}",
+            name(problem, effect.candidate),
+            truecut_recording::significant(*value, 3)
+        ))
+    })
+}
+
 /// One sentence for each doubt.
 pub(super) fn doubts(problem: &Problem, fit: &Fit) -> Vec<String> {
     let mut position = problem.nominal.len();

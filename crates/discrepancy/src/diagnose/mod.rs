@@ -39,6 +39,7 @@ mod revise;
 mod scan;
 mod screen;
 mod search;
+mod set_up;
 mod signature;
 mod smooth;
 mod span;
@@ -52,6 +53,7 @@ use std::time::Instant;
 use thiserror::Error;
 use truecut_scenario::effect::Effect;
 
+pub(crate) use self::set_up::doubt as set_up_doubt;
 use crate::compare::{Pair, UnitSuspicion, unit_suspicion};
 use crate::model::{Columns, Model, PredictError};
 pub(crate) use answer::target_name;
@@ -181,6 +183,14 @@ pub enum DiagnoseError {
         /// The factor that would fit.
         suspicion: UnitSuspicion,
     },
+    /// Nothing fits as it is, and much does in another set-up.
+    #[error("{told} Else: {otherwise}")]
+    SetUp {
+        /// Which one, and how well it fits.
+        told: String,
+        /// What stands against the data as they are.
+        otherwise: String,
+    },
     /// The nominal model itself cannot be run.
     #[error("the nominal model cannot be simulated: {0}")]
     Nominal(#[from] PredictError),
@@ -230,7 +240,8 @@ pub(crate) fn explain(
     problem.split.check()?;
     let before = problem.predict_whole(&problem.start())?;
     if has_units {
-        check_units(model, data, &before)?;
+        check_units(model, data, &before)
+            .map_err(|error| clock_or_unit(model, data, &before, error))?;
     }
     let mut answer = match gate::unexcited(&problem, &before) {
         Some(missing) => conclude::not_excited(&problem, before, missing),
@@ -239,6 +250,11 @@ pub(crate) fn explain(
             conclude::conclude(&problem, before, outcome)?
         }
     };
+    if let Some(told) = set_up_doubt(model, data, &answer.after) {
+        // Causes in a set-up that is not the machine's are none.
+        answer.diagnosis.verdict = Verdict::UnknownCause;
+        answer.diagnosis.reason = format!("{told} {}", answer.diagnosis.reason);
+    }
     answer.diagnosis.work = Work {
         predictions: problem.predictions(),
         seconds: begun.elapsed().as_secs_f64(),
@@ -265,6 +281,22 @@ pub(crate) fn likelihood(
     let residual = data.residual(&problem.predict(&start)?);
     let orders = noise::Noise::orders(&residual, rows, &problem.floor);
     Ok(fit::fit(&problem, start, rows, &orders, true)?.objective)
+}
+
+/// A factor on drive forces may be what a clock does to them.
+fn clock_or_unit(
+    model: &dyn Model,
+    data: &Observation,
+    before: &Columns,
+    error: DiagnoseError,
+) -> DiagnoseError {
+    match set_up_doubt(model, data, before) {
+        Some(told) => DiagnoseError::SetUp {
+            told,
+            otherwise: error.to_string(),
+        },
+        None => error,
+    }
 }
 
 /// Refuses channels with a huge residual that another unit would remove.

@@ -15,6 +15,8 @@ pub(super) struct Limits {
     pub ranges: Vec<JointRange>,
     /// Of drive torques and forces; infinite where there is none.
     pub efforts: Vec<f64>,
+    /// Part of the machine's own limits that they are.
+    share: f64,
 }
 
 /// Halvings of the interval in which the largest motion within drive limits is looked for.
@@ -50,6 +52,7 @@ impl Limits {
             arm,
             ranges,
             efforts,
+            share: spec.limit_share,
         })
     }
 
@@ -204,11 +207,11 @@ impl Limits {
                     place.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                 ],
                 speed,
-                speed_share: speed / range.speed,
+                speed_share: self.share * speed / range.speed,
                 acceleration,
-                acceleration_share: acceleration / range.acceleration,
+                acceleration_share: self.share * acceleration / range.acceleration,
                 effort,
-                effort_share: effort / self.efforts[index],
+                effort_share: self.share * effort / self.efforts[index],
             }
         };
         self.ranges.iter().enumerate().map(joint).collect()

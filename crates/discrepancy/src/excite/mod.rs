@@ -33,6 +33,7 @@ use self::channels::mode;
 use self::design::Design;
 use self::limits::Limits;
 use self::model::Model;
+use self::parameters::Parameters;
 pub use self::report::{
     AssumedNoise, Condition, ExciteReport, ExpectedError, JointUse, Separation,
 };
@@ -101,9 +102,38 @@ pub fn excite(
     design.answer(request, &space, numbers, time_s)
 }
 
-/// Whether a scenario is one that motions are planned for.
-pub fn can_plan(scenario: &Scenario) -> bool {
-    mode(scenario).is_ok()
+/// What a planned motion could do for the explanations of a diagnosis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outlook {
+    /// No motions are planned for such a scenario.
+    NotPlanned,
+    /// Some motion may tell them apart.
+    MayTell,
+    /// They change the outputs alike in every state of the arm, or not at all.
+    CannotTell,
+}
+
+/// Whether to plan a motion for the explanations of a diagnosis. Of runs all is thought to show: to
+/// know better takes the runs.
+pub fn outlook(scenario: &Scenario, diagnosis: &Diagnosis) -> Outlook {
+    match mode(scenario) {
+        Err(_) => Outlook::NotPlanned,
+        Ok(ReplayMode::Inverse { .. }) => match in_any_state(scenario, diagnosis) {
+            Ok(model) if Parameters::new(&model).is_err() => Outlook::CannotTell,
+            // What else stands against a motion is told by who plans it.
+            Ok(_) | Err(_) => Outlook::MayTell,
+        },
+        Ok(ReplayMode::Forward | ReplayMode::Observe) => Outlook::MayTell,
+    }
+}
+
+fn in_any_state(scenario: &Scenario, diagnosis: &Diagnosis) -> Result<Model, SimError> {
+    let unknowns = Unknowns::of_diagnosis(scenario, diagnosis)?;
+    let limits = Limits::new(scenario)?;
+    let time_s = times(scenario);
+    let space = SeriesSpace::new(form(scenario)?, limits.ranges.clone(), &time_s);
+    let random = random_motions(scenario, &limits, &space)?;
+    Model::new(scenario, &limits.arm, unknowns, &random[0].1, &time_s)
 }
 
 /// Numbers and motion.

@@ -18,6 +18,8 @@ pub(crate) struct Column {
     pub nominal: f64,
     /// Whether it is dry friction, which gives anything up to its size at rest.
     pub is_dry: bool,
+    /// What the parameter is, if no machine has less than nothing of it.
+    pub never_negative: Option<&'static str>,
     /// `[channel][sample]`, filtered and thinned.
     pub values: Vec<Vec<f64>>,
 }
@@ -118,6 +120,7 @@ impl Builder<'_> {
             unit,
             nominal: 0.0,
             is_dry: false,
+            never_negative: None,
             values: (values.iter())
                 .map(|values| picked(values, self.every))
                 .collect(),
@@ -156,6 +159,7 @@ impl Builder<'_> {
         let values = self.of_joint(joint, self.model.acceleration(joint));
         Column {
             nominal: (self.model.robot().chain.joints[joint].transmission).rotor_inertia,
+            never_negative: Some("a rotor's inertia"),
             ..self.column(format!("rotor {}", joint + 1), unit, values)
         }
     }
@@ -198,6 +202,11 @@ impl Builder<'_> {
             all.push(Column {
                 nominal: nominal + built_in,
                 is_dry,
+                never_negative: match kind {
+                    EffectKind::JointViscous => Some("viscous friction"),
+                    EffectKind::JointCoulomb => Some("dry friction"),
+                    _ => None,
+                },
                 ..self.column(format!("{what} {}", joint + 1), unit.symbol(), values)
             });
         }

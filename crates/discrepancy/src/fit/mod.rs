@@ -11,6 +11,7 @@
 pub(crate) mod base;
 pub(crate) mod columns;
 mod solve;
+mod warnings;
 
 use serde::Serialize;
 use truecut_recording::Measured;
@@ -20,6 +21,7 @@ use truecut_sim::{InverseModel, Robots, SimError, estimates};
 use self::base::{Base, Group};
 use self::columns::{Column, columns};
 use self::solve::{Rows, Solution};
+use self::warnings::warnings;
 use crate::stats::distributions::t_quantile;
 use crate::trial::parallel;
 
@@ -41,6 +43,8 @@ pub struct FitReport {
     pub undetermined: usize,
     /// Errors by joint.
     pub channels: Vec<ChannelFit>,
+    /// What no machine has among the estimates, and what it hints at; one sentence each.
+    pub warnings: Vec<String>,
     /// Notes, one sentence each.
     pub notes: Vec<String>,
 }
@@ -54,10 +58,13 @@ pub struct Parameter {
     pub unit: String,
     /// What the scenario has.
     pub nominal: f64,
-    /// Estimate.
+    /// Estimate; what the scenario has where it is not seen.
     pub value: f64,
-    /// Ends of its 95 % interval.
-    pub interval: [f64; 2],
+    /// Ends of its 95 % interval; none where it is not seen.
+    pub interval: Option<[f64; 2]>,
+    /// Whether the data show it: what no row depends on, or only together with others, has no
+    /// estimate.
+    pub seen: bool,
 }
 
 /// A sum of two parameters that is known better than either.
@@ -129,6 +136,7 @@ pub fn fit(
         combinations: Vec::new(),
         undetermined: solution.undetermined,
         channels: channels(&model, &rows, &solution),
+        warnings: Vec::new(),
         notes: measured.notes.clone(),
     };
     let half = t_quantile(1.0 - CONFIDENCE, (spec.blocks - 1) as f64);
@@ -138,6 +146,7 @@ pub fn fit(
             .push(parameter(group, &columns, &solution, i, half));
     }
     report.combinations = combinations(&base, &columns, &report.parameters, &solution, half);
+    report.warnings = warnings(&base, &columns, &report.parameters, &solution, half);
     report.notes.extend(estimates(scenario, &Robots::new())?);
     if solution.undetermined > 0 {
         report.notes.push(format!(
@@ -158,7 +167,8 @@ fn parameter(
     let nominal = (group.members.iter())
         .map(|(column, factor)| factor * columns[*column].nominal)
         .sum::<f64>();
-    let value = nominal + solution.found[index];
+    let seen = solution.seen[index];
+    let value = nominal + if seen { solution.found[index] } else { 0.0 };
     let reach = half * solution.deviation(|x| x[index]);
     Parameter {
         name: sum_of(
@@ -170,7 +180,8 @@ fn parameter(
         unit: columns[group.members[0].0].unit.to_owned(),
         nominal,
         value,
-        interval: [value - reach, value + reach],
+        interval: seen.then_some([value - reach, value + reach]),
+        seen,
     }
 }
 
@@ -207,12 +218,16 @@ fn combinations(
     for j in 0..parameters.len() {
         for i in 0..j {
             let correlation = solution.correlation(i, j);
-            let vague = |one: &Parameter| one.interval[1] - one.value > VAGUE * one.value.abs();
+            let vague = |one: &Parameter| {
+                let reach = one.interval.map_or(0.0, |[_, high]| high - one.value);
+                reach > VAGUE * one.value.abs()
+            };
             let (one, other) = (&parameters[i], &parameters[j]);
             let exchanged = one.unit == other.unit
                 && correlation * correlation > 0.5
                 && (vague(one) || vague(other));
-            if correlation.abs() < NOT_SEPARABLE && !exchanged {
+            let is_told = correlation.abs() >= NOT_SEPARABLE || exchanged;
+            if !(is_told && one.seen && other.seen) {
                 continue;
             }
             let factor = solution.regression(i, j);

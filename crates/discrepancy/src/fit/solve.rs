@@ -203,8 +203,9 @@ impl Moments {
         (self.left - explained).max(0.0)
     }
 
-    /// Inverse of the matrix of the columns, without directions that do not show; their number.
-    fn inverse(&self) -> (DMatrix<f64>, usize) {
+    /// Inverse of the matrix of the columns, without directions that do not show; their number, and
+    /// the part of each parameter that lies in them.
+    fn inverse(&self) -> (DMatrix<f64>, usize, DVector<f64>) {
         let scale = self.columns.diagonal().map(|square| match square > 0.0 {
             true => 1.0 / square.sqrt(),
             false => 0.0,
@@ -219,15 +220,25 @@ impl Moments {
             .eigenvalues
             .map(|value| if value > least { 1.0 / value } else { 0.0 });
         let dark = shown.iter().filter(|value| **value == 0.0).count();
+        let in_dark = |i: usize| -> f64 {
+            let directions = eigen.eigenvectors.row(i).into_owned();
+            let parts = directions.iter().zip(&shown);
+            let dark = parts.filter(|(_, shown)| **shown == 0.0);
+            dark.map(|(part, _)| part * part).sum::<f64>().sqrt()
+        };
+        let dark_part = DVector::from_fn(shown.len(), |i, _| in_dark(i));
         let inverse =
             &eigen.eigenvectors * DMatrix::from_diagonal(&shown) * eigen.eigenvectors.transpose();
-        (scaled(&inverse), dark)
+        (scaled(&inverse), dark, dark_part)
     }
 }
 
 /// Directions of columns of unit length whose squared singular value is below this part of the
 /// largest do not show: noise of a part in ten thousand would decide them.
 const DARK: f64 = 1e-8;
+/// A parameter of which more than this part lies in them is not seen: its estimate would hold so
+/// much of what the scenario says.
+const UNSEEN: f64 = 1e-2;
 /// Weights stand still after so many turns: they change by the residuals' sizes alone.
 const TURNS: usize = 5;
 
@@ -237,6 +248,8 @@ pub(super) struct Solution {
     /// With each of the blocks left out.
     pub without: Vec<DVector<f64>>,
     pub undetermined: usize,
+    /// Of each parameter, whether the data show it.
+    pub seen: Vec<bool>,
     /// Up to a factor.
     covariance: DMatrix<f64>,
 }
@@ -248,6 +261,7 @@ impl Solution {
         let mut found = DVector::zeros(rows.is_dry.len());
         let mut weights = vec![1.0; channels];
         let (mut inverse, mut undetermined) = (DMatrix::zeros(0, 0), 0);
+        let mut dark_part = DVector::zeros(0);
         for _ in 0..TURNS {
             for (c, weight) in weights.iter_mut().enumerate() {
                 let left = rows.rms(c, &found);
@@ -255,7 +269,7 @@ impl Solution {
                 *weight = 1.0 / left.max(floor).max(f64::MIN_POSITIVE.sqrt()).powi(2);
             }
             let whole = rows.without(None, &weights);
-            (inverse, undetermined) = whole.inverse();
+            (inverse, undetermined, dark_part) = whole.inverse();
             found = &inverse * &whole.target;
         }
         let without = (0..rows.moments.len())
@@ -268,6 +282,7 @@ impl Solution {
             found,
             without,
             undetermined,
+            seen: dark_part.iter().map(|part| *part < UNSEEN).collect(),
             covariance: inverse,
         }
     }

@@ -18,6 +18,7 @@ use super::{CONFIDENCE, IdentifyError};
 use crate::stats::distributions::{chi_squared_tail, t_quantile};
 
 mod design;
+mod doubts;
 mod notes;
 
 pub use design::Component;
@@ -71,7 +72,8 @@ pub struct JointStiffness {
     pub compliance: Option<[f64; 2]>,
     /// Value in robot.toml.
     pub nominal: Option<f64>,
-    /// Whether that value lies in the interval.
+    /// Whether that value lies in the interval; none where the stiffnesses explain too little of
+    /// what was measured to agree with anything.
     pub agrees: Option<bool>,
     /// Joints whose effect cannot be separated from its own, in these postures and loads.
     pub confused_with: Vec<String>,
@@ -130,6 +132,12 @@ impl StiffnessReport {
     }
 }
 
+/// Compliances of the robot's file, if it has all.
+fn nominal(joints: &[ElasticJoint]) -> Option<Vec<f64>> {
+    let stiffnesses = joints.iter().map(|joint| joint.stiffness);
+    stiffnesses.map(|own| own.map(|own| 1.0 / own)).collect()
+}
+
 /// Identifies the stiffness of every joint.
 ///
 /// # Errors
@@ -143,7 +151,10 @@ pub fn identify(
     let mut compliance = vec![RIGID; joints.len()];
     let mut steps = 0;
     let (design, solution) = loop {
-        let design = Design::new(readings, spec, arm, &compliance)?;
+        let design = Design::new(readings, spec, arm, &compliance).map_err(|error| {
+            let held = nominal(&joints).and_then(|own| Design::new(readings, spec, arm, &own).ok());
+            doubts::of_no_rest(error, held.and_then(|design| design.times_predicted()))
+        })?;
         let solution = Solution::new(&design)?;
         steps += 1;
         let before = compliance.clone();
@@ -330,11 +341,8 @@ fn report(
     let estimates: Vec<JointStiffness> = (joints.iter().enumerate())
         .map(|(k, joint)| solution.joint(k, joint, &names))
         .collect();
-    let nominal: Option<Vec<f64>> = (joints.iter())
-        .map(|joint| joint.stiffness.map(|stiffness| 1.0 / stiffness))
-        .collect();
     // Predictions need a stiffness for every joint.
-    let predicted = nominal
+    let predicted = nominal(joints)
         .map(|nominal| Design::new(readings, spec, arm, &nominal))
         .transpose()?;
     let stated = readings.noise.iter().any(Option::is_some);
@@ -361,5 +369,10 @@ fn report(
     );
     let beyond = stated && excess < 0.01;
     report.notes = notes::notes(&report, beyond, spec.zero == Zero::Unknown);
+    report.notes.extend(doubts::of_angles(readings, spec));
+    if let Some(told) = doubts::of_explanation(&report) {
+        report.joints.iter_mut().for_each(|one| one.agrees = None);
+        report.notes.insert(0, told);
+    }
     Ok(report)
 }

@@ -140,6 +140,9 @@ fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<JointEffect>
         },
         E::Coulomb { .. } => E::Coulomb { friction: effort },
         E::Offset { .. } => E::Offset { force: effort },
+        E::Zero { .. } => E::Zero {
+            offset: SHARE * SHARE,
+        },
         E::LoadFriction { .. } => {
             if joint.effort_varies.is_nan() || joint.effort_varies < LEAST_VARIATION {
                 return None;

@@ -14,12 +14,14 @@ mod observation;
 pub(crate) mod parallel;
 mod predict;
 pub(crate) mod sampling;
+mod set_ups;
 mod signals;
 mod speeds;
 mod steps;
 mod stiff;
 #[cfg(test)]
 mod tests;
+mod zeros;
 
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
@@ -34,7 +36,7 @@ use self::cache::{Cache, RunKey};
 use self::jumps::Jumps;
 pub use self::parallel::{Thinning, for_comparison};
 use crate::diagnose::Observation;
-use crate::model::{Candidate, Columns, CurveCandidate, Experiment, Model, PredictError};
+use crate::model::{Candidate, Columns, CurveCandidate, Experiment, Model, PredictError, SetUp};
 
 /// A scenario with the data that it is held against.
 pub struct Trial {
@@ -224,7 +226,7 @@ impl Trial {
         ));
         measured.notes.extend(estimates(scenario, &robots)?);
         let mut trial = Trial {
-            candidates: known.absent,
+            candidates: zeros::shown(&engine, known.absent),
             held: known.held,
             curves: curves::curves(scenario, &signals),
             scenario: scenario.clone(),
@@ -358,6 +360,15 @@ impl Model for Trial {
 
     fn is_steady(&self) -> bool {
         matches!(self.engine, Kind::Steady(_))
+    }
+
+    fn set_ups(&self) -> Vec<SetUp> {
+        match &self.engine {
+            Kind::Inverse { model, every } => {
+                set_ups::of_drive_forces(model, *every, &self.observation)
+            }
+            Kind::Forward | Kind::Steady(_) => Vec::new(),
+        }
     }
 
     fn experiments(&self) -> Vec<Experiment> {

@@ -6,8 +6,10 @@ use std::path::Path;
 use truecut_recording::{ChannelSpec, Measured, MeasuredChannel, Role, Unit};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_sim::InverseModel;
 
 use super::Trial;
+use crate::diagnose::set_up_doubt;
 use crate::model::Model;
 use crate::testing;
 
@@ -148,4 +150,67 @@ fn no_candidate_is_refused_by_the_simulator() {
             assert!(error.0.contains("not fast enough"), "{name}: {error}");
         }
     }
+}
+
+/// The arm of two joints that moves in a plane, in inverse dynamics, and what its drives would give
+/// in a set-up: under a gravity along `down`, moved `speed` times as fast.
+fn swung(down: [f64; 3], speed: f64) -> (Scenario, Measured) {
+    let channel = |joint: usize| {
+        format!(
+            "[[data.channel]]\ncolumn = \"q{joint}\"\nchannel = \"joint{joint}.angle\"\nunit = \"rad\"\nrole = \"input\"\n\
+             [[data.channel]]\ncolumn = \"f{joint}\"\nchannel = \"joint{joint}.drive_torque\"\nunit = \"N m\"\n"
+        )
+    };
+    let text = format!(
+        "name = \"swung\"\n[robot]\nurdf = \"../../assets/robots/arm_2r/robot.urdf\"\n[process.replay]\nmode = \"inverse\"\n\
+         differentiate_cutoff_hz = 100\ncompare_cutoff_hz = 60\n[data]\ntime = \"t\"\n{}{}",
+        channel(1),
+        channel(2)
+    );
+    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/replay/of_a_test.toml");
+    let scenario = Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
+    let mut measured = swinging(vec![
+        ("joint1.angle", Unit::Radian, Role::Input, 0.5),
+        ("joint2.angle", Unit::Radian, Role::Input, 0.8),
+        ("joint1.drive_torque", Unit::NewtonMetre, Role::Output, 1.0),
+        ("joint2.drive_torque", Unit::NewtonMetre, Role::Output, 1.0),
+    ]);
+    // Two joints that do not go together.
+    for (k, value) in measured.channels[1].values.iter_mut().enumerate() {
+        *value += 0.4 * (31.0 * k as f64 / RATE_HZ).cos();
+    }
+    let model = InverseModel::new(&scenario, &measured).unwrap_or_else(|e| panic!("{e}"));
+    let made = model.set_up(down.into(), speed).predict(&[]).unwrap();
+    for (channel, values) in measured.channels[2..].iter_mut().zip(made) {
+        channel.values = values;
+    }
+    (scenario, measured)
+}
+
+/// An arm that hangs and a clock that is not the data's are told; friction of the joints, and a
+/// payload, are no set-up.
+#[test]
+fn another_set_up_is_told_and_a_cause_is_none() {
+    let floor = [0.0, 0.0, -1.0];
+    let told = |(scenario, measured): &(Scenario, Measured), effects: &[Effect]| {
+        let trial = Trial::new(scenario, measured).unwrap_or_else(|e| panic!("{e}"));
+        let after = trial.predict(&[], effects).unwrap();
+        set_up_doubt(&trial, &trial.observation, &after)
+    };
+    for (down, speed, words) in [
+        ([0.0, 0.0, 1.0], 1.0, "upside down"),
+        ([1.0, 0.0, 0.0], 1.0, "its x axis down"),
+        (floor, 2.0, "2 times as fast as"),
+        (floor, 0.25, "4 times slower than"),
+    ] {
+        let found = told(&swung(down, speed), &[]).unwrap_or_else(|| panic!("{words}: nothing"));
+        assert!(found.contains(words), "{words}: {found}");
+    }
+    assert_eq!(told(&swung(floor, 1.0), &[]), None);
+    let payload = Effect {
+        kind: EffectKind::Payload,
+        target: Target::Whole,
+        values: vec![4.0, 0.0, 0.0, 0.1],
+    };
+    assert_eq!(told(&swung(floor, 1.0), &[payload]), None);
 }

@@ -3,6 +3,7 @@
 use super::clocks;
 use super::outputs::{constant, left_out, read_twice, refuse_all_constant, without_spikes};
 use super::resample::{Base, Gaps, Series, median_interval_s, missing_rows, resample};
+use super::times::rate_note;
 use super::{
     ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Pass, Role, Table,
     Tables, TimeBase,
@@ -96,6 +97,7 @@ fn assemble(
     for one in used {
         notes.extend(one.table.notes.iter().cloned());
         notes.extend(missing_note(one, used.len()));
+        notes.extend(rate_note(one.table, mapping));
     }
     notes.extend(read_twice(mapping));
     let channels = channels(mapping, &mut series, &base, &mut notes);

@@ -2,27 +2,15 @@
 //! missing values and what stands still in its columns.
 
 use super::clocks::{HEADER_STAMP, LOG_TIME, delay_s, delays_s};
-use super::resample::{JITTER, median_interval_s};
+use super::resample::JITTER;
+use super::times::{is_later, median_step_s, time_column};
 use super::{Table, TimeBase};
-use crate::unit::{Unit, UserUnit};
+use crate::unit::UserUnit;
 
 /// Shortest run of one value that is told as standing still, rows.
 const STILL_ROWS: usize = 10;
 /// Shortest run at a column's largest or smallest value that counts as the end of a range, rows.
 const END_ROWS: usize = 3;
-/// Names of columns of times, without what stands behind them.
-const TIME_NAMES: [&str; 9] = [
-    "t",
-    "time",
-    "timestamp",
-    "stamp",
-    "zeit",
-    "zeitstempel",
-    "datetime",
-    "date",
-    "epoch",
-];
-
 /// What is in a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableFacts {
@@ -43,6 +31,8 @@ pub struct TableFacts {
 pub struct TimeFacts {
     /// The column, and the unit that its values seem to have.
     pub base: (String, UserUnit),
+    /// Why the unit is a guess; `None` where the file says it.
+    pub guessed: Option<&'static str>,
     /// First and last time, s.
     pub span_s: [f64; 2],
     /// One over the median interval, 1/s.
@@ -97,7 +87,7 @@ pub fn facts(table: &Table) -> TableFacts {
     let time = time_column(table);
     let clocks = [LOG_TIME, HEADER_STAMP];
     let is_clock = |name: &str| {
-        time.as_ref().is_some_and(|(found, _)| found == name) || clocks.contains(&name)
+        time.as_ref().is_some_and(|(found, ..)| found == name) || clocks.contains(&name)
     };
     let columns = table.columns.iter().filter(|one| !is_clock(&one.name));
     TableFacts {
@@ -106,7 +96,10 @@ pub fn facts(table: &Table) -> TableFacts {
         columns: columns
             .map(|one| column_facts(&one.name, &one.values, table.units.get(&one.name)))
             .collect(),
-        time: time.and_then(|(name, unit)| time_facts(table, name, unit)),
+        time: time.and_then(|(name, unit, guessed)| {
+            let found = time_facts(table, name, unit)?;
+            Some(TimeFacts { guessed, ..found })
+        }),
         notes: table.notes.clone(),
     }
 }
@@ -117,92 +110,6 @@ impl TimeFacts {
         let (column, unit) = self.base.clone();
         TimeBase::Column { column, unit }
     }
-}
-
-/// The column of the times and their unit: by its name, else the first that rises evenly.
-fn time_column(table: &Table) -> Option<(String, UserUnit)> {
-    let has = |name: &str| table.columns.iter().any(|one| one.name == name);
-    for clock in [HEADER_STAMP, LOG_TIME] {
-        if has(clock) {
-            return Some((clock.to_owned(), Unit::Second.into()));
-        }
-    }
-    let named = table.columns.iter().find(|one| {
-        let bare = bare_name(&one.name);
-        // Rows that share a stamp are told of; they make the column no other one.
-        TIME_NAMES.contains(&bare.as_str()) && rises(&one.values, 0.01, |a, b| a <= b)
-    });
-    let even = || {
-        let mut columns = table.columns.iter();
-        columns.find(|one| rises(&one.values, 0.0, is_later) && is_even(&one.values))
-    };
-    let column = named.or_else(even)?;
-    let unit = time_unit(table, &column.name, &column.values);
-    Some((column.name.clone(), unit))
-}
-
-/// A column's name without its unit: `Time [ms]`, `t_s` and `time (s)` are `time`, `t` and `time`.
-fn bare_name(name: &str) -> String {
-    let lower = name.to_lowercase();
-    let bare = lower.split(['[', '(']).next().unwrap_or_default().trim();
-    let without = ["_s", "_ms", "_us", "_ns"].iter();
-    let bare = without.fold(bare, |bare, end| bare.strip_suffix(end).unwrap_or(bare));
-    bare.to_owned()
-}
-
-fn time_unit(table: &Table, name: &str, values: &[f64]) -> UserUnit {
-    let written = table
-        .units
-        .get(name)
-        .and_then(|text| UserUnit::parse(text).ok());
-    if let Some(unit) = written.filter(|unit| unit.unit == Unit::Second) {
-        return unit;
-    }
-    let by_name = ["ns", "us", "ms", "s"].into_iter().find(|unit| {
-        let end = format!("_{unit}");
-        name.to_lowercase().ends_with(&end)
-    });
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    // Counted from 1970; nobody measures for 3000 years.
-    let by_size = match largest {
-        large if large > 1e17 => "ns",
-        large if large > 1e14 => "us",
-        large if large > 1e11 => "ms",
-        _ => "s",
-    };
-    UserUnit::parse(by_name.unwrap_or(by_size)).unwrap_or_else(|_| Unit::Second.into())
-}
-
-/// Whether values rise from row to row, as `rise` says of two, but for a share of the rows.
-fn rises(values: &[f64], but_for: f64, rise: impl Fn(f64, f64) -> bool) -> bool {
-    let falls = values
-        .windows(2)
-        .filter(|pair| !rise(pair[0], pair[1]))
-        .count();
-    values.len() > 1 && falls as f64 <= but_for * values.len() as f64
-}
-
-/// Whether the second is the later; what is no number is not.
-fn is_later(first: f64, second: f64) -> bool {
-    first < second
-}
-
-/// Whether most steps are about the median one.
-fn is_even(values: &[f64]) -> bool {
-    let median = median_interval_s(values);
-    let near = |pair: &&[f64]| ((pair[1] - pair[0]) / median - 1.0).abs() < 0.5;
-    let near = values.windows(2).filter(near).count();
-    near as f64 > 0.9 * (values.len() - 1) as f64
-}
-
-/// Median time from a row to a later one: rows may have stamps in common. `None` where none rises.
-fn median_step_s(time_s: &[f64]) -> Option<f64> {
-    let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]);
-    let mut steps: Vec<f64> = steps
-        .filter(|step| *step > 0.0 && step.is_finite())
-        .collect();
-    let middle = steps.len() / 2;
-    (middle < steps.len()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 fn time_facts(table: &Table, name: String, unit: UserUnit) -> Option<TimeFacts> {
@@ -234,6 +141,7 @@ fn time_facts(table: &Table, name: String, unit: UserUnit) -> Option<TimeFacts> 
     let largest = delays.map(|delays| delays.into_iter().fold(f64::NEG_INFINITY, f64::max));
     Some(TimeFacts {
         base: (name, unit),
+        guessed: None,
         span_s: [first_s, last_s],
         rate_hz: 1.0 / median_s,
         jitter_s: deviation(&steady),
@@ -379,5 +287,25 @@ mod tests {
         let stamps: Vec<f64> = even.iter().map(|t| 1.7e18 + t * 1e9).collect();
         let unit = facts(&table(vec![("stamp", stamps)])).time.unwrap().base.1;
         assert_eq!(unit.symbol, "ns");
+    }
+
+    /// What the file does not say of its times is a guess: whole numbers with steps of 4 are ms,
+    /// and a column called `t` with rows in common goes before one that rises from row to row.
+    #[test]
+    fn units_of_times_that_the_file_does_not_say_are_guesses() {
+        let time = |name: &str, values: Vec<f64>| {
+            let even = (0..values.len()).map(|k| 1.0 + k as f64 * 1e-3).collect();
+            let found = facts(&table(vec![(name, values), ("q", even)]))
+                .time
+                .unwrap();
+            (found.base.0, found.base.1.symbol, found.guessed.is_some())
+        };
+        let steps = |by: f64| (0..500).map(|k| f64::from(k) * by).collect::<Vec<f64>>();
+        let told = |name: &str, unit: &str, guessed| (name.to_owned(), unit.to_owned(), guessed);
+        assert_eq!(time("t", steps(4.0)), told("t", "ms", true));
+        assert_eq!(time("t_s", steps(4.0)), told("t_s", "s", false));
+        assert_eq!(time("t", steps(0.004)), told("t", "s", true));
+        let cut = steps(0.01).iter().map(|t| (t * 100.0).trunc()).collect();
+        assert_eq!(time("t", cut), told("t", "s", true));
     }
 }

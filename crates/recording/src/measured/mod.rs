@@ -14,6 +14,7 @@ mod spikes;
 mod table;
 #[cfg(test)]
 mod tests;
+mod times;
 
 pub use clocks::{HEADER_STAMP, LOG_TIME};
 pub use columns::{LARGEST, measured, measured_of};

@@ -19,7 +19,7 @@ use crate::torque_use::{TorqueUse, servo_note, unchecked_note};
 use std::sync::Arc;
 use truecut_arm::JointKind;
 use truecut_core::sensor::{ChannelModel, Sensor};
-use truecut_recording::{ChannelSpec, Measured, Role, UnknownName};
+use truecut_recording::{ChannelSpec, Measured, Role, UnknownName, significant};
 use truecut_scenario::effect::Target;
 use truecut_scenario::{FaultRule, Scenario};
 
@@ -44,11 +44,16 @@ impl Cell {
             Engine::Reduced { .. } => Scheme::Exact,
         };
         let prepared = Prepared::new(scenario, measured, robots, scheme)?;
+        let hasty_clock = measured
+            .filter(|_| scenario.process.facts().replays)
+            .and_then(|measured| hasty_clock(measured, prepared.dt_s));
         let (plant, note) = match engine {
             Engine::Rapier => rapier(&prepared),
             Engine::Reduced { .. } => reduced(&prepared)?,
         };
-        let cell = Self::assemble(scenario, prepared, plant, note)?;
+        let mut cell = Self::assemble(scenario, prepared, plant, note)?;
+        cell.notes.extend(hasty_clock.clone());
+        cell.hasty_clock = hasty_clock;
         cell.check_memory(scenario)?;
         Ok(cell)
     }
@@ -112,6 +117,7 @@ impl Cell {
             steps,
             energy_j: (0.0, 0.0),
             torque_use: TorqueUse::new(&prepared),
+            hasty_clock: None,
             placeholders: (prepared.robot.chain.placeholders.clone())
                 .filter(|_| scenario.run.placeholders == FaultRule::Fail),
             deflection,
@@ -250,4 +256,18 @@ fn is_input(scenario: &Scenario, spec: &ChannelSpec) -> bool {
     let mapped = scenario.data.iter().flat_map(|data| &data.mapping.channels);
     let mut inputs = mapped.filter(|one| one.role == Role::Input);
     inputs.any(|input| input.channel == spec.name)
+}
+
+/// That inputs change faster than the plant steps, as times do that are read in too small a unit.
+fn hasty_clock(measured: &Measured, time_step_s: f64) -> Option<String> {
+    let interval_s = measured.interval_s();
+    (interval_s < time_step_s).then(|| {
+        format!(
+            "the data have a sample every {} s, {} of them to a time step of {} s: is the unit of their times \
+             (data.time_unit) or their rate (data.rate_hz) right?",
+            significant(interval_s, 3),
+            significant(time_step_s / interval_s, 3),
+            significant(time_step_s, 3)
+        )
+    })
 }

@@ -13,7 +13,7 @@ mod start;
 pub use check::misfit;
 
 pub(crate) use process::{CuttingEffects, FootEffects, MillingEffects, WheelEffects};
-pub(crate) use robot::{Altered, add_payload, alter, point_inertia};
+pub(crate) use robot::{Altered, alter, build_in, point_inertia};
 pub(crate) use start::{at_rest, base_at_rest};
 
 use crate::error::SimError;
@@ -52,6 +52,8 @@ pub(crate) struct JointEffects {
     /// Beyond `robot.toml`'s dry friction.
     pub friction: LinkFriction,
     pub law: JointLaw,
+    /// True coordinate less the one that is reported and commanded, rad (m).
+    pub zero: f64,
 }
 
 impl Default for JointEffects {
@@ -61,6 +63,7 @@ impl Default for JointEffects {
             damping_factor: 1.0,
             friction: LinkFriction::coulomb(0.0),
             law: JointLaw::default(),
+            zero: 0.0,
         }
     }
 }
@@ -227,6 +230,7 @@ impl JointEffects {
                 law.counterbalance = Some(Counterbalance { cosine, sine });
             }
             JointEffect::Offset { force } => law.offset = force,
+            JointEffect::Zero { offset } => self.zero = offset,
         }
     }
 }

@@ -30,9 +30,7 @@ pub(crate) fn alter(nominal: &Robot, effects: &Effects) -> Result<Altered, SimEr
             t.damping *= effect.damping_factor;
         }
     }
-    if let Some(payload) = &effects.payload {
-        add_payload(&mut robot, payload)?;
-    }
+    build_in(&mut robot, effects)?;
     let base_joints = effects.base.len();
     if robot.dof() + base_joints > MAX_JOINTS {
         return Err(SimError::scenario(
@@ -57,6 +55,20 @@ pub(crate) fn alter(nominal: &Robot, effects: &Effects) -> Result<Altered, SimEr
         laws: all.iter().map(|joint| joint.law.clone()).collect(),
         friction: all.iter().map(|joint| joint.friction.clone()).collect(),
     })
+}
+
+/// Builds the arm as it stands: its payload, and the links where the zeros of their joints leave
+/// them. Coordinates stay those that are reported.
+pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimError> {
+    for (joint, effect) in robot.chain.joints.iter_mut().zip(&effects.joints) {
+        if effect.zero != 0.0 {
+            joint.shift_zero(effect.zero);
+        }
+    }
+    match &effects.payload {
+        Some(payload) => add_payload(robot, payload),
+        None => Ok(()),
+    }
 }
 
 /// A massless link that turns about a world axis through the world's origin, on a spring.
@@ -95,7 +107,7 @@ pub(crate) fn point_inertia(mass_kg: f64, lever_m: &Vector3<f64>) -> Matrix3<f64
 }
 
 /// Merges a point mass with the last link.
-pub(crate) fn add_payload(robot: &mut Robot, payload: &Payload) -> Result<(), SimError> {
+fn add_payload(robot: &mut Robot, payload: &Payload) -> Result<(), SimError> {
     let flange = robot.last_link_from_frame(FrameId::Flange);
     let at = (flange * nalgebra::Point3::from(payload.flange_from_center_m)).coords;
     let Some(link) = robot.chain.links.last_mut() else {

@@ -77,7 +77,10 @@ pub(crate) fn lead(
         false => Start::AtRest,
     };
     let found = path.motion(&held, from, KNOT_INTERVAL_S, LONGEST_S);
-    let found = found.map_err(|error| SimError::scenario(key, error.to_string()))?;
+    let found = found.map_err(|error| {
+        let held = slides_held(robot, &slides, &start.posture);
+        SimError::scenario(key, format!("{error}{held}"))
+    })?;
     let told = told(path, &found);
     let whole = |knot: Vec<f64>| {
         let mut posture = start.posture.clone();
@@ -92,6 +95,22 @@ pub(crate) fn lead(
         told,
         way: Some(way),
     })
+}
+
+/// Where slides stand that a path along a file does not move, as the end of a sentence.
+fn slides_held(robot: &Robot, slides: &[usize], posture: &[f64]) -> String {
+    if slides.is_empty() {
+        return String::new();
+    }
+    let place = |&at: &usize| {
+        let name = &robot.chain.joints[at].name;
+        format!("\"{name}\" at {:.1} mm", 1e3 * posture[at])
+    };
+    let places: Vec<String> = slides.iter().map(place).collect();
+    format!(
+        "; the path moves the joints that turn, alone: its slides stay where robot.posture_mm has them ({})",
+        places.join(", ")
+    )
 }
 
 /// What there is to tell of a path.

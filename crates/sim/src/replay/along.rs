@@ -3,7 +3,7 @@
 use super::motion::Motion;
 use super::rigid::forces;
 use crate::build::{NO_FOLLOWERS, gravity_m_s2, load_robot};
-use crate::effect::{Effects, add_payload};
+use crate::effect::{Effects, build_in};
 use crate::error::SimError;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -29,9 +29,7 @@ impl PlannedArm {
         let mut robot = load_robot(&scenario.robot)?;
         robot.refuse_followers(NO_FOLLOWERS)?;
         let effects = Effects::sum(scenario.effects.iter(), &robot.chain.joints);
-        if let Some(payload) = &effects.payload {
-            add_payload(&mut robot, payload)?;
-        }
+        build_in(&mut robot, &effects)?;
         Ok(PlannedArm {
             gravity_m_s2: effects.gravity_on_base(gravity_m_s2(&scenario.robot)),
             robot: Arc::new(robot),

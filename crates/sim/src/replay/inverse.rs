@@ -13,7 +13,7 @@ use super::regressors::BodyRegressors;
 use super::rigid::{Forces, forces, nominal};
 use super::{check_part, in_force, refused, sense};
 use crate::channels::drive_spec;
-use crate::effect::{Effects, JointEffects, Payload, add_payload};
+use crate::effect::{Effects, JointEffects, Payload, build_in};
 use crate::error::SimError;
 use crate::robots::Robots;
 use nalgebra::{Point3, Vector3};
@@ -162,12 +162,26 @@ impl InverseModel {
     /// The same arm in states that have nothing to do with one another, unfiltered: what its drive
     /// forces cannot tell apart there, no motion tells apart.
     pub fn in_any_state(&self, states: usize) -> InverseModel {
-        self.along(self.motion.of_any_states(states))
+        self.along(self.motion.of_any_states(states), self.unfiltered())
+    }
+
+    /// The same arm and data, set up otherwise: under a gravity from elsewhere, times that of the
+    /// scenario's size, and moved `speed` times as fast as the times of the data say.
+    pub fn set_up(&self, gravity_direction: Vector3<f64>, speed: f64) -> InverseModel {
+        let gravity_m_s2 = gravity_direction * self.motion.gravity_m_s2.norm();
+        let motion = self.motion.set_up(gravity_m_s2, speed);
+        self.along(motion, self.filter.clone())
+    }
+
+    /// Where gravity points in the scenario; `None` without.
+    pub fn gravity_direction(&self) -> Option<Vector3<f64>> {
+        self.motion.gravity_m_s2.try_normalize(0.0)
     }
 
     /// The same arm along another motion of all joints, at its times, unfiltered.
     pub fn in_motion(&self, motion: &SampledMotion, times_s: &[f64]) -> InverseModel {
-        let along = self.along(Motion::of(motion, self.motion.gravity_m_s2));
+        let motion = Motion::of(motion, self.motion.gravity_m_s2);
+        let along = self.along(motion, self.unfiltered());
         InverseModel {
             measured: Measured {
                 time_s: times_s.to_vec(),
@@ -177,18 +191,17 @@ impl InverseModel {
         }
     }
 
-    fn along(&self, motion: Motion) -> InverseModel {
+    /// Passes all: its cutoff is beyond half the rate.
+    fn unfiltered(&self) -> Butterworth {
         let rate_hz = self.measured.rate_hz();
-        let filter = Butterworth::low_pass(FILTER_ORDER, rate_hz, rate_hz);
+        Butterworth::low_pass(FILTER_ORDER, rate_hz, rate_hz)
+    }
+
+    fn along(&self, motion: Motion, filter: Butterworth) -> InverseModel {
+        let (robot, joints) = (&self.robot, &self.joints);
         InverseModel {
-            nominal: nominal(&self.robot, &motion, &self.joints, &filter),
-            body: BodyRegressors::new(
-                &self.robot,
-                &motion,
-                &self.joints,
-                &filter,
-                self.robot.dof() - 1,
-            ),
+            nominal: nominal(robot, &motion, joints, &filter),
+            body: BodyRegressors::new(robot, &motion, joints, &filter, robot.dof() - 1),
             motion,
             filter,
             ..self.clone()
@@ -218,11 +231,11 @@ impl InverseModel {
             self.check(effect)?;
         }
         let sum = Effects::sum(all, &self.robot.chain.joints);
-        let tilted = self.on_tilted_base(nominal, &sum)?;
-        let nominal = tilted.as_ref().unwrap_or(nominal);
+        let built = self.as_it_stands(nominal, &sum)?;
+        let nominal = built.as_ref().unwrap_or(nominal);
         let mut columns = nominal.drive.clone();
-        // On a tilted base it is built in.
-        let payload = sum.payload.as_ref().filter(|_| tilted.is_none());
+        // In an arm that stands elsewhere it is built in.
+        let payload = sum.payload.as_ref().filter(|_| built.is_none());
         if let Some(payload) = payload {
             let center = self.center(payload);
             (self.body).add_point_mass(payload.mass_kg, &center, &mut columns);
@@ -241,20 +254,19 @@ impl InverseModel {
         Ok(columns)
     }
 
-    /// Forces of the same arm, payload included, where gravity comes from another direction; `None`
-    /// on a level base.
-    fn on_tilted_base(
+    /// Forces of the same arm, payload included, where gravity comes from another direction or
+    /// links stand beyond what their joints report; `None` where neither is.
+    fn as_it_stands(
         &self,
-        level: &Forces,
+        reported: &Forces,
         effects: &Effects,
     ) -> Result<Option<Forces>, SimError> {
-        if effects.tilts.is_empty() {
+        let is_off = effects.joints.iter().any(|joint| joint.zero != 0.0);
+        if effects.tilts.is_empty() && !is_off {
             return Ok(None);
         }
-        let mut robot = level.robot.clone();
-        if let Some(payload) = &effects.payload {
-            add_payload(Arc::make_mut(&mut robot), payload)?;
-        }
+        let mut robot = reported.robot.clone();
+        build_in(Arc::make_mut(&mut robot), effects)?;
         let gravity_m_s2 = effects.gravity_on_base(self.motion.gravity_m_s2);
         let (motion, filter) = (&self.motion, &self.filter);
         Ok(Some(forces(

@@ -53,6 +53,22 @@ impl Motion {
         }
     }
 
+    /// The same course under another gravity and `speed` times as fast.
+    pub fn set_up(&self, gravity_m_s2: Vector3<f64>, speed: f64) -> Motion {
+        let times = |columns: &[Vec<f64>], factor: f64| -> Vec<Vec<f64>> {
+            let columns = columns.iter();
+            columns
+                .map(|column| column.iter().map(|x| x * factor).collect())
+                .collect()
+        };
+        Motion {
+            position: self.position.clone(),
+            velocity: times(&self.velocity, speed),
+            acceleration: times(&self.acceleration, speed * speed),
+            gravity_m_s2,
+        }
+    }
+
     /// Unrelated states of all joints: coordinates, speeds and accelerations even between -pi and
     /// pi, SI. The same in every call.
     pub fn of_any_states(&self, states: usize) -> Motion {

@@ -52,6 +52,14 @@ struct Row {
 }
 
 impl Design {
+    /// How many times what is predicted the measured values are, by least squares.
+    pub fn times_predicted(&self) -> Option<f64> {
+        let sum = |of: &dyn Fn(&Row) -> f64| self.rows.iter().map(of).sum::<f64>();
+        let predicted = sum(&|row| (row.predicted / row.noise).powi(2));
+        let both = sum(&|row| row.measured * row.predicted / row.noise.powi(2));
+        (predicted > 0.0).then_some(both / predicted)
+    }
+
     pub fn new(
         readings: &Readings,
         spec: &StiffnessSpec,

@@ -139,6 +139,11 @@ Joint: JointEffect on Joint(joint: usize = *joint) {
         force: "On the link"
             = joint("force_n", Unit::Newton, "force_n_m", Unit::NewtonMetre, 0.0, -1e9, 1e9),
     }
+    JointZero "joint_zero" is Zero in [Driven, Free, Inverse]:
+        "The zero of the joint is off: the link stands beyond what is reported and commanded." {
+        offset: "True coordinate less the reported one"
+            = joint("offset_m", Unit::Metre, "offset_rad", Unit::Radian, 0.0, -1.6, 1.6),
+    }
 }
 /// A law of a joint without a name, by values at even places over its position or its speed. Of
 /// these the named one is the first; the whole is [`Effect::curve`].

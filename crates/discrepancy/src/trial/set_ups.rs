@@ -1,0 +1,96 @@
+//! Set-ups that people mistake for one another, and what drive forces would be in them.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+use truecut_sim::InverseModel;
+
+use super::parallel::picked;
+use crate::diagnose::Observation;
+use crate::model::SetUp;
+
+/// Ways in which an arm stands or hangs: where gravity points in the world of the scenario.
+const GRAVITIES: [(&str, [f64; 3]); 6] = [
+    ("upside down, from a ceiling", [0.0, 0.0, 1.0]),
+    ("upright, on the floor", [0.0, 0.0, -1.0]),
+    ("on a wall, its x axis down", [1.0, 0.0, 0.0]),
+    ("on a wall, its x axis up", [-1.0, 0.0, 0.0]),
+    ("on a wall, its y axis down", [0.0, 1.0, 0.0]),
+    ("on a wall, its y axis up", [0.0, -1.0, 0.0]),
+];
+/// By how much a clock is mistaken: half or double rates, rates of usual loggers, minutes for
+/// seconds, seconds for milliseconds.
+const CLOCKS: [f64; 6] = [2.0, 4.0, 5.0, 10.0, 60.0, 1000.0];
+
+/// Drive forces in other set-ups, every so many-th sample of the data.
+pub(super) fn of_drive_forces(
+    model: &InverseModel,
+    every: usize,
+    data: &Observation,
+) -> Vec<SetUp> {
+    let Some(down) = model.gravity_direction() else {
+        return Vec::new();
+    };
+    let hangs = GRAVITIES.iter().map(|(how, direction)| {
+        let told =
+            format!("the arm hangs or stands {how} (its pose in the robot's file, or [robot])");
+        (told, Vector3::from(*direction), 1.0)
+    });
+    let clocks = CLOCKS.iter().flat_map(|factor| [*factor, 1.0 / factor]);
+    let clocks = clocks.map(|speed| {
+        let times = match speed > 1.0 {
+            true => format!("{speed} times as fast as"),
+            false => format!("{} times slower than", 1.0 / speed),
+        };
+        let told = format!(
+            "the motion is {times} the times of the data say (data.time_unit, data.rate_hz)"
+        );
+        (told, down, speed)
+    });
+    let others = hangs.filter(|(_, direction, _)| (direction - down).norm() > 0.5);
+    let made = others.chain(clocks).filter_map(|(told, direction, speed)| {
+        let other = model.set_up(direction, speed);
+        let predicted = other.predict(&[]).ok()?;
+        let predicted = predicted.iter().enumerate().map(|(channel, column)| {
+            let column = picked(column, every);
+            with_friction(&other, channel, every, data, column)
+        });
+        Some(SetUp {
+            told,
+            predicted: predicted.collect(),
+        })
+    });
+    made.collect()
+}
+
+/// The prediction of a channel with the viscous and dry friction and the offset of its joint that
+/// fit best: no set-up is judged by what it says nothing about.
+fn with_friction(
+    model: &InverseModel,
+    channel: usize,
+    every: usize,
+    data: &Observation,
+    predicted: Vec<f64>,
+) -> Vec<f64> {
+    let output = &data.outputs[channel];
+    let velocity = model.velocity(model.joints()[channel]);
+    let signs: Vec<f64> = velocity.iter().map(|v| v.signum()).collect();
+    let viscous = picked(&model.filtered(velocity), every);
+    let dry = picked(&model.filtered(&signs), every);
+    let laws = |row: usize| [viscous[row], dry[row], 1.0];
+    let rows: Vec<usize> = (0..predicted.len().min(output.values.len()))
+        .filter(|row| output.valid[*row])
+        .collect();
+    let matrix = DMatrix::from_fn(rows.len(), 3, |i, k| laws(rows[i])[k]);
+    let left = DVector::from_fn(rows.len(), |i, _| {
+        output.values[rows[i]] - predicted[rows[i]]
+    });
+    let found = matrix.svd(true, true).solve(&left, 1e-9);
+    let sizes = found.map_or([0.0; 3], |found| [found[0], found[1], found[2]]);
+    let with = predicted.iter().enumerate().map(|(row, force)| {
+        let friction = laws(row)
+            .into_iter()
+            .zip(&sizes)
+            .map(|(law, size)| law * size);
+        force + friction.sum::<f64>()
+    });
+    with.collect()
+}

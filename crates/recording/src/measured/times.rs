@@ -1,0 +1,196 @@
+//! Which column of a table has its times, and in what unit.
+
+use super::clocks::{HEADER_STAMP, LOG_TIME};
+use super::resample::median_interval_s;
+use super::{Mapping, Table, TimeBase};
+use crate::unit::{Unit, UserUnit, short_number};
+
+/// Names of columns of times, without what stands behind them.
+const TIME_NAMES: [&str; 9] = [
+    "t",
+    "time",
+    "timestamp",
+    "stamp",
+    "zeit",
+    "zeitstempel",
+    "datetime",
+    "date",
+    "epoch",
+];
+
+/// Part by which a rate that is given may miss that of the file's own times: clocks of drives differ
+/// by less, and rates are rounded.
+const RATE_TOLERANCE: f64 = 0.02;
+
+/// A column, its unit, and why that is a guess.
+type Times = (String, UserUnit, Option<&'static str>);
+
+/// The column of the times and their unit: by its name, else the first that rises evenly.
+pub(super) fn time_column(table: &Table) -> Option<Times> {
+    let has = |name: &str| table.columns.iter().any(|one| one.name == name);
+    for clock in [HEADER_STAMP, LOG_TIME] {
+        if has(clock) {
+            return Some((clock.to_owned(), Unit::Second.into(), None));
+        }
+    }
+    let even = || {
+        let mut columns = table.columns.iter();
+        columns.find(|one| rises(&one.values, 0.0, is_later) && is_even(&one.values))
+    };
+    named_times(table).or_else(|| {
+        let column = even()?;
+        let (unit, guessed) = time_unit(table, &column.name, &column.values);
+        Some((column.name.clone(), unit, guessed))
+    })
+}
+
+/// The column that is called so, with its unit.
+fn named_times(table: &Table) -> Option<Times> {
+    let column = table.columns.iter().find(|one| {
+        let bare = bare_name(&one.name);
+        // Rows that share a stamp are told of; they make the column no other one.
+        TIME_NAMES.contains(&bare.as_str()) && rises(&one.values, 0.01, |a, b| a <= b)
+    })?;
+    let (unit, guessed) = time_unit(table, &column.name, &column.values);
+    Some((column.name.clone(), unit, guessed))
+}
+
+/// A column's name without its unit: `Time [ms]`, `t_s` and `time (s)` are `time`, `t` and `time`.
+fn bare_name(name: &str) -> String {
+    let lower = name.to_lowercase();
+    let bare = lower.split(['[', '(']).next().unwrap_or_default().trim();
+    let without = ["_s", "_ms", "_us", "_ns"].iter();
+    let bare = without.fold(bare, |bare, end| bare.strip_suffix(end).unwrap_or(bare));
+    bare.to_owned()
+}
+
+/// The unit of times, and why it is a guess where the file does not say it.
+fn time_unit(table: &Table, name: &str, values: &[f64]) -> (UserUnit, Option<&'static str>) {
+    let written = table
+        .units
+        .get(name)
+        .and_then(|text| UserUnit::parse(text).ok());
+    if let Some(unit) = written.filter(|unit| unit.unit == Unit::Second) {
+        return (unit, None);
+    }
+    let by_name = ["ns", "us", "ms", "s"].into_iter().find(|unit| {
+        let end = format!("_{unit}");
+        name.to_lowercase().ends_with(&end)
+    });
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    // Counted from 1970; nobody measures for 3000 years.
+    let (by_size, why) = match largest {
+        large if large > 1e17 => ("ns", "by its size, as counted from 1970"),
+        large if large > 1e14 => ("us", "by its size, as counted from 1970"),
+        large if large > 1e11 => ("ms", "by its size, as counted from 1970"),
+        _ if counts_slowly(values) => ("ms", "whole numbers that are farther apart than 1"),
+        _ => ("s", "for want of another"),
+    };
+    let unit = UserUnit::parse(by_name.unwrap_or(by_size)).unwrap_or_else(|_| Unit::Second.into());
+    (unit, by_name.is_none().then_some(why))
+}
+
+/// Whether times are whole numbers that in seconds would be less than one row a second: a logger
+/// that slow is rare, and one that counts milliseconds is not.
+fn counts_slowly(values: &[f64]) -> bool {
+    let whole = values.iter().all(|value| value.fract() == 0.0);
+    whole && median_step_s(values).is_some_and(|step| step > 1.0)
+}
+
+/// Whether values rise from row to row, as `rise` says of two, but for a share of the rows.
+fn rises(values: &[f64], but_for: f64, rise: impl Fn(f64, f64) -> bool) -> bool {
+    let falls = values
+        .windows(2)
+        .filter(|pair| !rise(pair[0], pair[1]))
+        .count();
+    values.len() > 1 && falls as f64 <= but_for * values.len() as f64
+}
+
+/// Whether the second is the later; what is no number is not.
+pub(super) fn is_later(first: f64, second: f64) -> bool {
+    first < second
+}
+
+/// Whether most steps are about the median one.
+fn is_even(values: &[f64]) -> bool {
+    let median = median_interval_s(values);
+    let near = |pair: &&[f64]| ((pair[1] - pair[0]) / median - 1.0).abs() < 0.5;
+    let near = values.windows(2).filter(near).count();
+    near as f64 > 0.9 * (values.len() - 1) as f64
+}
+
+/// Median time from a row to a later one: rows may have stamps in common. `None` where none rises.
+pub(super) fn median_step_s(time_s: &[f64]) -> Option<f64> {
+    let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = steps
+        .filter(|step| *step > 0.0 && step.is_finite())
+        .collect();
+    let middle = steps.len() / 2;
+    (middle < steps.len()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// That rows are taken at a rate which a column of times speaks against.
+pub(super) fn rate_note(table: &Table, mapping: &Mapping) -> Option<String> {
+    let TimeBase::Rate { hz } = mapping.time else {
+        return None;
+    };
+    let (name, unit, guessed) = named_times(table)?;
+    let step_s = median_step_s(table.column(&name).ok()?)? * unit.si_factor;
+    let own_hz = 1.0 / step_s;
+    if guessed.is_some() || (own_hz / hz - 1.0).abs() < RATE_TOLERANCE {
+        return None;
+    }
+    Some(format!(
+        "rows are taken at rate_hz = {} Hz, but the file has times in the column `{name}`, and by these the rate is {} \
+         Hz: speeds and accelerations are {} times too large if those are right; take them with time = \"{name}\"",
+        short_number(hz),
+        short_number(own_hz),
+        short_number(hz / own_hz)
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::Column;
+
+    /// A rate that is twice that of the times beside it is told; the same, and one that is rounded,
+    /// is not; nor is one that only a guess speaks against.
+    #[test]
+    fn a_rate_that_times_speak_against_is_told() {
+        let told = |name: &str, hz: f64| {
+            let values = (0..300).map(|k| f64::from(k) * 0.004).collect();
+            let table = Table {
+                source: "bench.csv".into(),
+                columns: vec![Column {
+                    name: name.into(),
+                    values,
+                }],
+                ..Table::default()
+            };
+            let mapping = Mapping {
+                time: TimeBase::Rate { hz },
+                window_s: [f64::NEG_INFINITY, f64::INFINITY],
+                resample_hz: None,
+                max_gap_s: 0.05,
+                starts_s: Vec::new(),
+                bridge_spikes: true,
+                channels: Vec::new(),
+            };
+            rate_note(&table, &mapping)
+        };
+        let note = told("t_s", 500.0).unwrap();
+        for words in [
+            "rate_hz = 500",
+            "`t_s`",
+            "the rate is 250",
+            "2 times too large",
+        ] {
+            assert!(note.contains(words), "{note}");
+        }
+        assert_eq!(told("t_s", 250.0), None);
+        assert_eq!(told("t_s", 251.0), None);
+        assert_eq!(told("t", 500.0), None);
+        assert_eq!(told("force", 500.0), None);
+    }
+}
