@@ -1,10 +1,11 @@
 //! The force of teeth, averaged over a step.
 //!
-//! Where a straight edge comes into the stock through a face or leaves it, its force jumps, or falls
-//! to nothing over the short way between the tip's crossing and that of the chip's root. Taken at
-//! the middles of a step's parts alone the impulse of that step would be off by up to half a part of
-//! the jump: an error of first order, of one sign or the other from tooth to tooth. So the step is
-//! parted there. Edges on a helix cross height by height, each with a small part of the force.
+//! Where a straight edge comes into the stock through a face or leaves it, its force jumps, or
+//! falls to nothing over the short way between the tip's crossing and that of the chip's root.
+//! Taken at the middles of a step's parts alone the impulse of that step would be off by up to
+//! half a part of the jump: an error of first order, of one sign or the other from tooth to tooth.
+//! So the step is parted there. Edges on a helix cross height by height, each with a small part of
+//! the force.
 
 use truecut_core::cutting::milling::cut::MillingLoads;
 use truecut_core::cutting::milling::cutter::Cutter;
@@ -18,8 +19,8 @@ const PARTS: usize = 4;
 const HALVINGS: usize = 20;
 
 /// Force and moment on the tool, averaged over a step. `at` says where the tool is at a moment (a
-/// part of the step from its middle), `ends` whether tip and root of a tooth's chip are in the stock
-/// there, `cut` what acts there.
+/// part of the step from its middle), `ends` whether tip and root of a tooth's chip are in the
+/// stock there, `cut` what acts there.
 pub(super) fn averaged<P>(
     cutter: &Cutter,
     at: impl Fn(f64) -> P,
