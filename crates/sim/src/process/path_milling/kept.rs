@@ -5,6 +5,7 @@ use super::peak::Peak;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 use truecut_core::cutting::milling::cut::MillingLoads;
+use truecut_core::cutting::milling::layered::cut::LayeredCut;
 
 /// Stretches of a path by which things are told.
 const STRETCHES: usize = 200;
@@ -44,11 +45,12 @@ impl Stretch {
 }
 
 /// What is kept for the report.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Kept {
     pub stretch_m: f64,
     pub stretches: Vec<Stretch>,
-    pub peak: Peak,
+    pub force_n: Peak,
+    pub torque_n_m: Peak,
     pub largest_deflection_m: f64,
     /// Steps since teeth cut last.
     idle: usize,
@@ -65,7 +67,8 @@ impl Kept {
         Self {
             stretch_m,
             stretches: vec![Stretch::default(); count],
-            peak: Peak::default(),
+            force_n: Peak::default(),
+            torque_n_m: Peak::default(),
             largest_deflection_m: 0.0,
             idle: usize::MAX,
             period: 1,
@@ -80,15 +83,16 @@ impl Kept {
         }
     }
 
-    /// A step; of an arm that swings in air nothing is kept. `loads_at` tells what acts at a part of
-    /// the step from its middle.
-    pub fn add(&mut self, step: &MillingStep, loads_at: impl Fn(f64) -> MillingLoads) {
+    /// A step, by which the cut has come; of an arm that swings in air nothing is kept.
+    pub fn add(&mut self, step: &MillingStep, cut: &LayeredCut) {
         self.idle = match step.loads.removal_m3_per_rad > 0.0 {
             true => 0,
             false => self.idle.saturating_add(1),
         };
         if self.idle > self.period {
             self.before_m.clear();
+            self.force_n.pause();
+            self.torque_n_m.pause();
             return;
         }
         let index = ((step.along_m / self.stretch_m) as usize).min(self.stretches.len() - 1);
@@ -104,9 +108,20 @@ impl Kept {
             stretch.change_m2 += (in_plane - before.xy()).norm_squared();
         }
         self.before_m.push_back(step.deflection_m);
-        let torque_n_m = step.moment_on_tool_n_m.z.abs();
-        self.peak.add(force_n, torque_n_m, loads_at);
+        self.peaks(step, cut);
         self.largest_deflection_m = self.largest_deflection_m.max(in_plane.norm());
+    }
+
+    fn peaks(&mut self, step: &MillingStep, cut: &LayeredCut) {
+        let Some(at) = step.at else {
+            return;
+        };
+        let loads = |rotation_rad: f64| cut.evaluate(&cut.place_at(rotation_rad, &at));
+        let force_n = |loads: &MillingLoads| loads.force_on_tool_n.norm();
+        let torque_n_m = |loads: &MillingLoads| loads.moment_on_tool_n_m.z.abs();
+        let (rotation_rad, now) = (at.rotation_rad, &step.loads);
+        (self.force_n).add(rotation_rad, force_n(now), |at| force_n(&loads(at)));
+        (self.torque_n_m).add(rotation_rad, torque_n_m(now), |at| torque_n_m(&loads(at)));
     }
 
     /// Half of the way between the extremes of the last period's deflections, m.

@@ -245,15 +245,10 @@ impl Process for PathMilling {
         if self.cut.turns_back(&at) {
             self.broken_s = Some(state.time_s);
         }
-        if !self.rows_only {
-            let mut kept = std::mem::take(&mut self.kept);
-            kept.add(&self.last, |ahead| {
-                let part = self.place(state.time_s, &off, ahead * self.step_s);
-                self.cut.evaluate(&part)
-            });
-            self.kept = kept;
-        }
         self.cut.commit(&at);
+        if !self.rows_only {
+            self.kept.add(&self.last, &self.cut);
+        }
         let axes = state.world_from_tool.rotation.to_rotation_matrix();
         self.modes
             .turn(&(self.setup.work_from_world() * axes.matrix()));

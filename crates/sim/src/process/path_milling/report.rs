@@ -120,7 +120,7 @@ fn sizes(milling: &PathMilling, findings: &mut Findings) {
     let whole_m3 = meant.stock.volume_m3();
     let removed_m3 = whole_m3 - milling.cut.stock().volume_m3();
     let target_m3 = whole_m3 - meant.target.volume_m3();
-    let torque_n_m = kept.peak.torque_n_m;
+    let torque_n_m = kept.torque_n_m.largest;
     let power_w = torque_n_m * spec.spindle_rad_s;
     let (at_m, level_m) = kept.strongest().unwrap_or((f64::NAN, f64::NAN));
     findings.scalars.extend(quantity::scalars([
@@ -130,7 +130,7 @@ fn sizes(milling: &PathMilling, findings: &mut Findings) {
             .text("Volume that the path as written takes of it"),
         Quantity::new("path_milling.chip_volume", Unit::CubicMetre, milling.last.removed_m3)
             .text("Volume of all chips"),
-        Quantity::new("path_milling.largest_force", Unit::Newton, kept.peak.force_n)
+        Quantity::new("path_milling.largest_force", Unit::Newton, kept.force_n.largest)
             .text("Largest cutting force at any instant"),
         Quantity::new("path_milling.largest_torque", Unit::NewtonMetre, torque_n_m)
             .text("Largest torque of the cut"),

@@ -141,6 +141,15 @@ impl LayeredCut {
         loads
     }
 
+    /// Where the tool was at a rotation not longer ago than a pitch, its vibration changing as now.
+    pub fn place_at(&self, rotation_rad: f64, now: &ToolPlace) -> ToolPlace {
+        ToolPlace {
+            rotation_rad,
+            place_m: self.trace.at(rotation_rad).displacement_m,
+            ..*now
+        }
+    }
+
     /// Whether tip and root of a straight edge's chip lie in stock, at the lowest layer that it
     /// reaches.
     pub fn ends_in_stock(&self, tooth: usize, at: &ToolPlace) -> [bool; 2] {
