@@ -294,11 +294,6 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         4,
         &["ends here", "the GOTO that ends the CIRCLE"],
     ),
-    (
-        "long_axis.apt",
-        5,
-        &["the tool's axis is 1.5", "1, to 0.001"],
-    ),
     ("column_twice.csv", 1, &["the column is x_mm", "given once"]),
     ("two_units.csv", 1, &["units of the place is 2"]),
     (

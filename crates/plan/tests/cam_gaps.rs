@@ -218,6 +218,13 @@ fn what_has_no_effect_or_may_be_cut_short_is_told() {
     assert!(is_noted(&path, 1, "G21"), "{:?}", path.notes);
     assert!(is_noted(&path, 2, "begins with /"), "{:?}", path.notes);
     assert!(gcode(text).notes.iter().all(|note| !note.contains("G21")));
+    let long = read(
+        "FROM/0,0,5,0,0,1.5\nRAPID\nGOTO/0,0,9,0,0,1\nFINI\n",
+        "x.apt",
+    );
+    let long = long.expect("APT");
+    assert!(is_noted(&long, 1, "not a unit vector"), "{:?}", long.notes);
+    assert_eq!(long.notes.len(), 1);
     let open = read("FEDRAT/600,MMPM\nGOTO/0,0,5\n", "x.apt").expect("APT");
     assert!(is_noted(&open, 2, "without FINI"), "{:?}", open.notes);
 }

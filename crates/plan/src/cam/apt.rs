@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::{UnitVector3, Vector3};
 
-use super::apt_words::{IDLE, REFUSED, numbers, unit_vector};
+use super::apt_words::{IDLE, REFUSED, UNIT_WITHIN, numbers};
 use super::gap::Gaps;
 use super::spindle::{SpindleTurn, SpindleWord};
 use super::{
@@ -259,7 +259,13 @@ impl AptReader<'_> {
         let place = match parts.len() {
             6 => {
                 let [x, y, z, i, j, k] = numbers::<6>(word, parts)?;
-                axis = unit_vector(Vector3::new(i, j, k))?;
+                let vector = Vector3::new(i, j, k);
+                axis = direction(vector)?;
+                // ISO 4343 gives unit vectors.
+                if (vector.norm() - 1.0).abs() > UNIT_WITHIN {
+                    let text = "the tool's axis is not a unit vector: its direction counts";
+                    self.notes.add(line, text);
+                }
                 [x, y, z]
             }
             _ if self.multiaxis && parts.len() == 3 => {

@@ -1,13 +1,10 @@
 //! Words of APT that are not read, and the numbers of those that are.
 
-use nalgebra::{UnitVector3, Vector3};
-
-use super::direction;
 use crate::program::ProgramErrorKind;
 use crate::program::number::finite;
 
 /// By how much the length of an axis may differ from 1: three decimals are written at least.
-const UNIT_WITHIN: f64 = 1e-3;
+pub(super) const UNIT_WITHIN: f64 = 1e-3;
 /// Words that move nothing; they are left aside.
 pub(super) const IDLE: &[&str] = &[
     "PARTNO",
@@ -51,15 +48,6 @@ pub(super) const REFUSED: [(&str, &str); 6] = [
     ("MACRO", "subprograms"),
     ("COPY", "copies"),
 ];
-
-/// The tool's axis, which ISO 4343 gives as a unit vector.
-pub(super) fn unit_vector(vector: Vector3<f64>) -> Result<UnitVector3<f64>, ProgramErrorKind> {
-    let axis = direction(vector)?;
-    let (length, what) = (vector.norm(), "the length of the tool's axis");
-    let is_one = (length - 1.0).abs() <= UNIT_WITHIN;
-    ProgramErrorKind::unless(is_one, what, length, format!("1, to {UNIT_WITHIN}"))?;
-    Ok(axis)
-}
 
 /// Numbers after the slash.
 pub(super) fn numbers<const N: usize>(
