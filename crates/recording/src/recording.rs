@@ -213,13 +213,11 @@ impl std::fmt::Display for Outcome {
         match self {
             Outcome::Completed => formatter.write_str("completed"),
             Outcome::Interrupted => formatter.write_str("was interrupted"),
-            Outcome::Placeholders { signs } => {
-                write!(
-                    formatter,
-                    "rests on placeholders: {signs}; give the arm's own values in robot.toml, or \
-                     estimate them with `truecut robot init`"
-                )
-            }
+            Outcome::Placeholders { signs } => write!(
+                formatter,
+                "rests on placeholders: {signs}; give the arm's own values in robot.toml, or \
+                 estimate them with `truecut robot init`"
+            ),
             Outcome::BeyondModel {
                 quantity,
                 value,

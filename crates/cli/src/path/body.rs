@@ -12,8 +12,8 @@ const PLACES: usize = 17;
 /// Units that a mesh may have been written in.
 const UNITS: [(&str, f64); 4] = [("mm", 1e-3), ("inches", 25.4e-3), ("cm", 1e-2), ("m", 1.0)];
 
-/// The face must lie on the body to what the wheel may be pressed in: where it lies further off, the
-/// wheel either does not reach the body or would be refused there.
+/// The face must lie on the body to what the wheel may be pressed in: where it lies further off,
+/// the wheel either does not reach the body or would be refused there.
 ///
 /// # Errors
 /// At the place that is furthest off, with the unit in which the body would fit, if there is one.

@@ -33,7 +33,7 @@ pub struct Depths {
 }
 
 impl Depths {
-    /// At poses, and between them at places so near that nothing deeper than [`MISSED_M`] is missed.
+    /// At poses, and between them at places so near that no more than [`MISSED_M`] is missed.
     ///
     /// # Errors
     /// Where the wheel lies deeper than the job allows.

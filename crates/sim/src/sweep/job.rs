@@ -127,6 +127,9 @@ fn of_row(job: &Job, error: SimError) -> SimError {
     let SimError::Scenario { key, message } = error else {
         return error;
     };
+    if job.overrides.is_empty() {
+        return SimError::Scenario { key, message };
+    }
     let values = job.overrides.iter();
     let values: Vec<String> = values
         .map(|(key, value)| format!("`{key}` = {value}"))
