@@ -159,8 +159,7 @@ impl InverseModel {
         self.filter.zero_phase(drive)
     }
 
-    /// The same arm in states that have nothing to do with one another, unfiltered: what its drive
-    /// forces cannot tell apart there, no motion tells apart.
+    /// The same arm in unrelated states, unfiltered: what is alike there, no motion tells apart.
     pub fn in_any_state(&self, states: usize) -> InverseModel {
         self.along(self.motion.of_any_states(states), self.unfiltered())
     }
