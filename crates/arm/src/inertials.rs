@@ -11,8 +11,9 @@ use crate::doubts::{FEWEST_JOINTS, MOST_REACH_M};
 use crate::drawing::placed;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::estimate::short;
+use crate::estimated::is_estimate;
 use crate::model::{Link, Shape, Solids};
-use crate::tree::{Freedom, Tree};
+use crate::tree::{Freedom, Tree, TreeLink};
 
 /// Densest element: osmium at room temperature, kg/m³ (CRC Handbook of Chemistry and Physics).
 const DENSEST_KG_PER_M3: f64 = 22_590.0;
@@ -20,8 +21,7 @@ const DENSEST_KG_PER_M3: f64 = 22_590.0;
 /// `example-robot-data` with a part in the mass none is as compact as a ball of it but for those
 /// whose inertia is a placeholder; the nearest come to 6700.
 const STEEL_KG_PER_M3: f64 = 7850.0;
-/// Units of inertia in which programs of design write, in kg m². Where masses are in g, an inertia
-/// in g mm² comes to the same radius as one in kg mm² with masses in kg.
+/// Units of inertia in which programs of design write, in kg m².
 const INERTIA_UNITS: [(&str, f64); 7] = [
     ("kg mm^2", 1e-6),
     ("kg cm^2", 1e-4),
@@ -32,7 +32,7 @@ const INERTIA_UNITS: [(&str, f64); 7] = [
     ("t m^2", 1e3),
 ];
 /// Units of length in which centres are written, in m.
-const LENGTH_UNITS: [(&str, f64); 3] = [("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254)];
+const LENGTH_UNITS: [(&str, f64); 3] = [("mm", 1e-3), ("cm", 1e-2), ("inches", 0.0254)];
 
 /// What bodies of a chain are held against.
 pub(crate) struct Yardstick {
@@ -48,6 +48,8 @@ struct Body<'a> {
     center_m: f64,
     /// Half of the inertia's trace is `∫ r² dm` about the centre, kg m².
     second_moment_kg_m2: f64,
+    /// Whether its mass is an estimate, spread by volume: a rare data sheet makes small links dense.
+    is_estimate: bool,
 }
 
 /// What is wrong with a body: the element of the URDF, and the sentence.
@@ -83,6 +85,7 @@ impl Yardstick {
             mass_kg: link.mass_kg,
             center_m: link.com_m.norm(),
             second_moment_kg_m2: 0.5 * link.inertia_about_com_kg_m2.trace(),
+            is_estimate: parts.iter().all(|index| is_estimated(&tree.links[*index])),
         };
         if whole.impossible(self.length_m).is_some() {
             // Meshes are files of their own, and read only for this.
@@ -91,15 +94,22 @@ impl Yardstick {
             });
             self.length_m = self.length_m.max(with_meshes);
         }
-        if let Some(found) = whole.impossible(self.length_m) {
-            return Err(self.error(tree, parts, found));
+        // What follows nothing may be as long as all before it: its file does not say.
+        let is_end = parts.iter().all(|index| {
+            let mut following = tree.links[*index].child_joints.iter();
+            following.all(|joint| parts.contains(&tree.joints[*joint].child))
+        });
+        let has_frame = parts.len() > 1;
+        let length_m = if is_end && !has_frame { 2.0 } else { 1.0 } * self.length_m;
+        if let Some(found) = whole.impossible(length_m) {
+            return Err(self.error(tree, parts, length_m, found));
         }
         let is_judged = self.is_arm && link.mass_kg > 0.0;
-        Ok(is_judged.then(|| whole.doubtful(self.length_m)).flatten())
+        Ok(is_judged.then(|| whole.doubtful(length_m)).flatten())
     }
 
     /// The error at the part that is wrong by itself, else at the heaviest.
-    fn error(&self, tree: &Tree, parts: &[usize], found: Found) -> ArmError {
+    fn error(&self, tree: &Tree, parts: &[usize], length_m: f64, found: Found) -> ArmError {
         let wrong = parts.iter().find_map(|index| {
             let link = &tree.links[*index];
             let body = Body {
@@ -107,8 +117,9 @@ impl Yardstick {
                 mass_kg: link.mass_kg,
                 center_m: link.link_from_inertial.translation.vector.norm(),
                 second_moment_kg_m2: 0.5 * link.inertia_kg_m2.trace(),
+                is_estimate: is_estimated(link),
             };
-            Some((*index, body.impossible(self.length_m)?))
+            Some((*index, body.impossible(length_m)?))
         });
         let heaviest = || {
             let parts = parts.iter().copied();
@@ -138,8 +149,8 @@ impl Body<'_> {
     }
 
     /// A mass in a point is what tables of masses have for want of more, and no unit makes one.
-    fn is_point(&self) -> bool {
-        self.second_moment_kg_m2 == 0.0
+    fn has_no_size(&self) -> bool {
+        self.second_moment_kg_m2 == 0.0 || self.is_estimate
     }
 
     fn impossible(&self, length_m: f64) -> Option<Found> {
@@ -169,7 +180,7 @@ impl Body<'_> {
             return Some(("inertia", said));
         }
         let least_m = self.ball_m(DENSEST_KG_PER_M3);
-        if gyration_m < least_m && !self.is_point() {
+        if gyration_m < least_m && !self.has_no_size() {
             let said = format!(
                 "{}, less than a ball of osmium of that mass has ({} m; nothing is denser, and no shape has less): \
                  masses are given in kg, inertias in kg m^2{}",
@@ -194,7 +205,7 @@ impl Body<'_> {
             ));
         }
         let least_m = self.ball_m(STEEL_KG_PER_M3);
-        (gyration_m < least_m && !self.is_point()).then(|| {
+        (gyration_m < least_m && !self.has_no_size()).then(|| {
             format!(
                 "{}, less than a solid ball of steel of that mass has ({} m){}",
                 self.described(),
@@ -233,6 +244,10 @@ impl Body<'_> {
         });
         listed(read.collect())
     }
+}
+
+fn is_estimated(link: &TreeLink) -> bool {
+    link.mass_kg == 0.0 || link.mass_source.as_deref().is_some_and(is_estimate)
 }
 
 fn listed(read: Vec<String>) -> String {

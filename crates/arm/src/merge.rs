@@ -65,7 +65,8 @@ fn chain_of(
         }
         let members = std::mem::take(&mut body.members);
         let link = body.into_link(&tree.links[segment.links[0].0].name);
-        if segment.joint.is_some() && masses == Masses::Needed {
+        let is_judged = masses == Masses::Needed && !tree.is_of_sheet;
+        if segment.joint.is_some() && is_judged {
             signs.extend(yardstick.judge(tree, &link, &members)?);
         }
         parts.take(tree, segment.joint, link, notes);

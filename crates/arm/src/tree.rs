@@ -113,6 +113,8 @@ pub(crate) struct Tree {
     pub(crate) doubts: Vec<String>,
     /// What makes its masses and inertias look like placeholders.
     pub(crate) signs: Vec<String>,
+    /// Whether its masses are those of a data sheet, which is judged by itself.
+    pub(crate) is_of_sheet: bool,
 }
 
 impl Tree {

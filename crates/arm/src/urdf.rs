@@ -40,6 +40,7 @@ pub(crate) fn read_tree(text: &str, path: &Path) -> Result<Tree, ArmError> {
         notes,
         doubts: doubts::of_turns(&urdf).into_iter().collect(),
         signs: Vec::new(),
+        is_of_sheet: false,
     };
     for (urdf_joint, lines) in joints {
         let joint = joint(urdf_joint, lines, &index, path)?;

@@ -30,13 +30,11 @@ impl Bar {
 /// In what the file's numbers are.
 #[derive(Debug, Clone, Copy)]
 struct Units {
-    mass_kg: f64,
     inertia_kg_m2: f64,
     center_m: f64,
 }
 
 const SI: Units = Units {
-    mass_kg: 1.0,
     inertia_kg_m2: 1.0,
     center_m: 1.0,
 };
@@ -46,10 +44,7 @@ fn urdf(bars: &[Bar], units: Units) -> String {
     for (i, bar) in bars.iter().enumerate() {
         let next = i + 1;
         let [along, across] = bar.inertia_kg_m2().map(|own| own / units.inertia_kg_m2);
-        let (mass, center) = (
-            bar.mass_kg() / units.mass_kg,
-            0.5 * bar.length_m / units.center_m,
-        );
+        let (mass, center) = (bar.mass_kg(), 0.5 * bar.length_m / units.center_m);
         let offset = if i == 0 { 0.0 } else { bars[i - 1].length_m };
         let axis = if i % 2 == 0 { "0 0 1" } else { "0 1 0" };
         writeln!(
@@ -63,7 +58,11 @@ fn urdf(bars: &[Bar], units: Units) -> String {
         )
         .unwrap();
     }
-    text + "</robot>\n"
+    let (last, end) = (bars.len(), bars[bars.len() - 1].length_m);
+    text + &format!(
+        "<link name=\"tool0\"/><joint name=\"end\" type=\"fixed\"><parent link=\"l{last}\"/><child link=\"tool0\"/>\
+         <origin xyz=\"{end} 0 0\"/></joint>\n</robot>\n"
+    )
 }
 
 fn read(text: &str, config: Option<&str>) -> Result<Robot, ArmError> {
@@ -82,7 +81,7 @@ fn arms() -> impl Strategy<Value = Vec<Bar>> {
 }
 
 /// Unit of a file, its name, and what the message is to say.
-const OTHERS: [(Units, &str, &str); 6] = [
+const OTHERS: [(Units, &str, &str); 4] = [
     (
         Units {
             inertia_kg_m2: 1e-6,
@@ -97,23 +96,6 @@ const OTHERS: [(Units, &str, &str); 6] = [
             ..SI
         },
         "in kg cm^2 it were",
-        "the whole arm is long",
-    ),
-    (
-        Units {
-            inertia_kg_m2: 1e-9,
-            ..SI
-        },
-        "in g mm^2 it were",
-        "the whole arm is long",
-    ),
-    (
-        Units {
-            mass_kg: 1e-3,
-            inertia_kg_m2: 1e-9,
-            ..SI
-        },
-        "in kg mm^2 it were",
         "the whole arm is long",
     ),
     (
@@ -150,7 +132,7 @@ proptest! {
     /// Given in `robot.toml`, they are refused at its line.
     #[test]
     fn links_of_robot_toml_are_told_at_their_line(bars in arms(), which in 0..4_usize) {
-        let [along, across] = bars[which].inertia_kg_m2().map(|own| 1e9 * own);
+        let [along, across] = bars[which].inertia_kg_m2().map(|own| 1e6 * own);
         let config = format!(
             "\n[[link]]\nname = \"l{}\"\nmass_kg = {:?}\ncenter_m = [0.0, 0.0, 0.0]\n\
              inertia_kg_m2 = [{along:?}, {across:?}, {across:?}, 0.0, 0.0, 0.0]\nsource = \"CAD\"\n",
@@ -159,15 +141,14 @@ proptest! {
         );
         let error = read(&urdf(&bars, SI), Some(&config)).unwrap_err();
         prop_assert_eq!((error.path(), error.line()), (Some(Path::new("robot.toml")), Some(3)));
-        prop_assert!(error.message().contains("in g mm^2 it were"), "{error}");
+        prop_assert!(error.message().contains("in kg mm^2 it were"), "{error}");
     }
 
     /// Half of an arm's length is what a dumb-bell has: no error, and one of two signs of
     /// placeholders.
     #[test]
     fn what_no_link_has_is_a_sign_of_placeholders(bars in arms(), which in 0..4_usize) {
-        // A longer arm of the same bars, so that the last frame is as far as they reach.
-        let length_m: f64 = bars[..bars.len() - 1].iter().map(|bar| bar.length_m).sum();
+        let length_m: f64 = bars.iter().map(|bar| bar.length_m).sum();
         let mut text = urdf(&bars, SI);
         let [along, across] = bars[which].inertia_kg_m2();
         let old = format!("ixx=\"{along}\" iyy=\"{across}\" izz=\"{across}\"");

@@ -103,6 +103,7 @@ pub fn robot_toml(
     if let Some(mass_kg) = sheet.mass_kg {
         given = masses::spread(&tree, &path, mass_kg, urdf, packages);
         masses::enter(&mut tree, &given);
+        tree.is_of_sheet = true;
     }
     let (chain, flange) = to_chain(&mut tree, tip_link, Masses::Needed)
         .map_err(|error| source.at_origin(urdf, needs_mass(error, &sheet)))?;

@@ -90,8 +90,10 @@ pub(super) fn notes(
     let length_m = lengths.reach;
     if let Some(reach_m) = sheet.reach_m {
         let travel_m = travel_m(chain);
-        let length_m = length_m + travel_m;
-        let travel = match travel_m > 0.0 {
+        // Of an arm on a track a sheet gives the arm's reach, of a gantry that of its slides.
+        let with_travel = travel_m > 0.0 && reach_m - 1e-3 > length_m;
+        let length_m = length_m + if with_travel { travel_m } else { 0.0 };
+        let travel = match with_travel {
             true => format!(", {} m of travel of its slides included", short(travel_m)),
             false => String::new(),
         };

@@ -3,10 +3,10 @@
 use nalgebra::{DVector, Matrix3, Vector3};
 use truecut_recording::significant;
 
-use super::Parameter;
 use super::base::Base;
 use super::columns::Column;
 use super::solve::Solution;
+use super::{NOT_SEPARABLE, Parameter};
 
 /// What makes estimates impossible that fit well.
 const HINT: &str = "a law that is left out of [fit], or a delay between motion and drive force, goes into it; \
@@ -79,10 +79,18 @@ fn payload(
     };
     let value = least(&solution.found);
     let reach = half * solution.deviation(least);
+    let exchanged = (0..parameters.len())
+        .filter(|j| parameters[*j].seen && !places.contains(j))
+        .flat_map(|j| places.iter().map(move |&i| (i, j)))
+        .find(|&(i, j)| solution.correlation(i, j).abs() >= NOT_SEPARABLE);
+    let exchanged = exchanged.map_or_else(String::new, |(i, j)| {
+        let [own, other] = [i, j].map(|k| &parameters[k].name);
+        format!("; or `{own}` is too large or small for what `{other}` lacks, since these data do not separate them")
+    });
     (value + reach < 0.0).then(|| {
         format!(
             "mass, centre and inertia of the payload are those of no body (least second moment about the centre \
-             {} kg m^2, {} to {}; of a body none is below 0): {HINT}",
+             {} kg m^2, {} to {}; of a body none is below 0): {HINT}{exchanged}",
             significant(value, 3),
             significant(value - reach, 3),
             significant(value + reach, 3)

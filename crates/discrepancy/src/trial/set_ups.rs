@@ -30,8 +30,7 @@ pub(super) fn of_drive_forces(
         return Vec::new();
     };
     let hangs = GRAVITIES.iter().map(|(how, direction)| {
-        let told =
-            format!("the arm hangs or stands {how} (its pose in the robot's file, or [robot])");
+        let told = format!("the arm hangs or stands {how} (turn its base so in the robot's file)");
         (told, Vector3::from(*direction), 1.0)
     });
     let clocks = CLOCKS.iter().flat_map(|factor| [*factor, 1.0 / factor]);

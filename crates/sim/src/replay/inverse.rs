@@ -159,18 +159,20 @@ impl InverseModel {
         self.filter.zero_phase(drive)
     }
 
-    /// The same arm in states that have nothing to do with one another, unfiltered: what its drive
-    /// forces cannot tell apart there, no motion tells apart.
+    /// The same arm in unrelated states, unfiltered: what is alike there, no motion tells apart.
     pub fn in_any_state(&self, states: usize) -> InverseModel {
         self.along(self.motion.of_any_states(states), self.unfiltered())
     }
 
-    /// The same arm and data, set up otherwise: under a gravity from elsewhere, times that of the
-    /// scenario's size, and moved `speed` times as fast as the times of the data say.
+    /// The same arm and data under gravity along a unit vector, and `speed` times as fast. What a
+    /// payload adds stays that of the scenario.
     pub fn set_up(&self, gravity_direction: Vector3<f64>, speed: f64) -> InverseModel {
-        let gravity_m_s2 = gravity_direction * self.motion.gravity_m_s2.norm();
-        let motion = self.motion.set_up(gravity_m_s2, speed);
-        self.along(motion, self.filter.clone())
+        let motion = self.motion.set_up(gravity_direction, speed);
+        InverseModel {
+            nominal: nominal(&self.robot, &motion, &self.joints, &self.filter),
+            motion,
+            ..self.clone()
+        }
     }
 
     /// Where gravity points in the scenario; `None` without.

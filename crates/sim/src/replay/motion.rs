@@ -53,8 +53,8 @@ impl Motion {
         }
     }
 
-    /// The same course under another gravity and `speed` times as fast.
-    pub fn set_up(&self, gravity_m_s2: Vector3<f64>, speed: f64) -> Motion {
+    /// The same course under gravity along a unit vector and `speed` times as fast.
+    pub fn set_up(&self, gravity_direction: Vector3<f64>, speed: f64) -> Motion {
         let times = |columns: &[Vec<f64>], factor: f64| -> Vec<Vec<f64>> {
             let columns = columns.iter();
             columns
@@ -65,7 +65,7 @@ impl Motion {
             position: self.position.clone(),
             velocity: times(&self.velocity, speed),
             acceleration: times(&self.acceleration, speed * speed),
-            gravity_m_s2,
+            gravity_m_s2: gravity_direction * self.gravity_m_s2.norm(),
         }
     }
 
