@@ -26,15 +26,14 @@ def told(seed: int, family: str, folder: Path, repeats: bool):
 
 
 def test_crosscheck_mujoco_what_changed_is_named(tmp_path):
-    """Of four strong changes on the same motion three are named, or stand in a short list."""
-    found = [told(SEED + i, "strong", tmp_path / str(i), True) for i in range(4)]
+    """Of three strong changes on the same motion two are named, or stand in a short list."""
+    found = [told(SEED + i, "strong", tmp_path / str(i), True) for i in range(3)]
     assert all(one.repeated for one in found), found
-    assert sum(one.right for one in found) >= 3, found
+    assert sum(one.right for one in found) >= 2, found
 
 
 @pytest.mark.parametrize("repeats", [True, False])
 def test_crosscheck_mujoco_what_both_share_is_no_change(tmp_path, repeats):
-    """Two arms that lack something in both recordings: silence, whether the motion repeats or not."""
-    found = [told(SEED + 10 + i, "nothing", tmp_path / str(i), repeats) for i in range(2)]
-    assert all(one.repeated is repeats for one in found), found
-    assert all(one.right for one in found), found
+    """An arm that lacks something in both recordings: silence, whether the motion repeats or not."""
+    found = told(SEED + 10 + repeats, "nothing", tmp_path / "pair", repeats)
+    assert found.repeated is repeats and found.right, found

@@ -20,8 +20,8 @@ pub enum Verdict {
     NothingChanged,
     /// The changes are named.
     Changed,
-    /// Something changed, and several causes explain it equally well; or something is there of which
-    /// the first recording does not show whether it was there before.
+    /// Something changed, and several causes explain it equally well; or something is there of
+    /// which the first recording does not show whether it was there before.
     Ambiguous,
     /// Something changed that no known effect explains.
     UnknownChange,

@@ -104,19 +104,25 @@ fn searched(
 /// known: it has to be more than both recordings leave of themselves, as large as the first does.
 fn no_more_than_of_one(first: &Diagnosis, found: &mut Changes) {
     let signals = &found.ceiling.correlated_signals;
-    if !found.changes.is_empty() || found.curve.is_some() || !signals.is_empty() {
+    if found.curve.is_some() || !signals.is_empty() {
         return;
     }
     let is_more = (found.channels.iter()).any(|(name, errors)| {
         let own = first.channels.get(name).map_or(0.0, |own| own.after);
         errors.after.powi(2) > EXCESS * 2.0 * own.powi(2)
     });
-    if !is_more {
-        found.verdict = Verdict::NothingChanged;
-        found.reason = "Between the recordings nothing changed that can be seen: they differ by more than the noise as \
-                        it is known, and by no more than the model leaves of each."
-            .to_owned();
+    if is_more {
+        return;
     }
+    let (verdict, what) = match found.changes.is_empty() {
+        true => (Verdict::NothingChanged, "Nothing changed that can be seen"),
+        false => (Verdict::Changed, "The changes named explain what differs"),
+    };
+    found.verdict = verdict;
+    found.reason = format!(
+        "{what}: more is left than the noise as it is known, but no more than the model leaves of two recordings like the \
+         first."
+    );
 }
 
 /// Ratio of variances that noise of a hundred independent samples does not reach.

@@ -262,8 +262,8 @@ pub(crate) fn explain(
     Ok(answer)
 }
 
-/// Minus twice the log-likelihood of the data, with the numbers of these effects and the nominal ones
-/// fitted to all but the last part.
+/// Minus twice the log-likelihood of the data, with the numbers of these effects and the nominal
+/// ones fitted to all but the last part.
 ///
 /// # Errors
 /// The simulation cannot be run.
