@@ -311,7 +311,11 @@ impl<'a> Problem<'a> {
             };
             let candidate = (0..self.candidates.len()).find(is_meant)?;
             let values = effect.values[given(candidate)..].to_vec();
-            Some(Found { candidate, values })
+            Some(Found {
+                candidate,
+                values,
+                smoothing: super::smooth::AT_FIRST,
+            })
         });
         Point {
             nominal: nominal.to_vec(),
