@@ -119,11 +119,11 @@ pub(super) fn later(first: &Measured, second: &Measured) -> Option<(f64, f64)> {
         .filter(|&k| at(k) < UNLIKE && (k == 0 || at(k) <= at(k - 1)) && at(k) <= at(k + 1))
         .collect();
     minima.sort_by(|a, b| lags[*a].abs().total_cmp(&lags[*b].abs()));
-    let ends = minima.iter().take(PLACES).map(|&k| {
+    let mut ends = minima.iter().take(PLACES).map(|&k| {
         let lag = least(&unlike, lags[k] - step, lags[k] + step);
         (lag, unlike(lag))
     });
-    ends.filter(|end| end.1 < AGAIN).next()
+    ends.find(|end| end.1 < AGAIN)
 }
 
 /// Recordings of which each sample has its place: nothing drives them, or they begin several times.
