@@ -8,8 +8,7 @@ use crate::model::{Columns, Model};
 use crate::stats::deviation;
 
 /// A set-up is told if it leaves less than this part of what the causes leave: it has no value to
-/// fit but the friction of each joint. Among 26 set-ups of two arms that were right, with causes
-/// named, unnamed or none, none is told.
+/// fit but the friction of each joint, where the causes were chosen and fitted.
 const FAR_LESS: f64 = 0.5;
 /// What leaves less than this part of the drive forces has no need of another set-up.
 const ENOUGH: f64 = 0.01;
