@@ -31,6 +31,7 @@ mod gate;
 mod late;
 mod memory;
 mod noise;
+mod orders;
 mod pairs;
 mod problem;
 mod race;
@@ -54,8 +55,8 @@ use truecut_scenario::effect::Effect;
 use crate::compare::{Pair, UnitSuspicion, unit_suspicion};
 use crate::model::{Columns, Model, PredictError};
 pub use answer::{
-    Alternative, Cause, Ceiling, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence, FitRecord,
-    Nominal, Parameter, Proposal, SmallestSeen, UnknownCurve, Verdict, Work,
+    Alternative, Cause, Ceiling, Change, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence,
+    FitRecord, Nominal, Parameter, Proposal, SmallestSeen, UnknownCurve, Verdict, Work,
 };
 pub use data::{Fine, MIN_SAMPLES, Observation, Output, Regressor};
 pub use floor::{NoiseSample, NoiseSource};
