@@ -13,44 +13,17 @@ use truecut_scenario::effect::EffectKind;
 use truecut_scenario::key_unit;
 
 pub use self::errors::{held_out, rows_of_errors};
+pub use self::headline::headline;
 use super::Confirmed;
 use super::Written;
 use crate::text::{self, Align};
+
+mod headline;
 
 /// Most rows of the list of detectable sizes.
 const SEEN_ROWS: usize = 8;
 /// Most of what is said to be followed by what is left.
 const MOST_SIGNALS: usize = 3;
-
-/// The verdict as text.
-fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::NothingBeyondNoise => "nothing beyond noise",
-        Verdict::Named => "cause named",
-        Verdict::Ambiguous => "these cannot be told apart",
-        Verdict::UnknownCause => "none of the causes known",
-        Verdict::NotIdentifiable => "not identifiable from these data",
-        Verdict::FitFailed => "the fit failed",
-    }
-}
-
-/// The verdict with the causes that it is about: to be read first.
-pub fn headline(diagnosis: &Diagnosis) -> String {
-    let names: Vec<String> = diagnosis.causes.iter().map(name).collect();
-    let rivals = diagnosis.alternatives.iter().map(names_of);
-    let verdict = verdict(diagnosis.verdict).to_uppercase();
-    match diagnosis.verdict {
-        Verdict::Named => format!("{verdict}: {}", names.join(" and ")),
-        Verdict::UnknownCause if !names.is_empty() => {
-            format!("CAUSE NAMED, BUT NOT ALL OF IT: {}", names.join(" and "))
-        }
-        Verdict::Ambiguous => {
-            let all: Vec<String> = std::iter::once(names.join(" and ")).chain(rivals).collect();
-            format!("{verdict}: {}", all.join(" or "))
-        }
-        _ => verdict,
-    }
-}
 
 /// Its effects, all of them.
 pub fn names_of(alternative: &Alternative) -> String {

@@ -171,6 +171,17 @@ pub struct UnknownCurve {
     pub log10_odds: f64,
 }
 
+/// What is measured changes over time, as no cause in the machine does by itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Change {
+    /// Channel in which it is seen.
+    pub channel: String,
+    /// From about when, in seconds of the data; null if it changes all the time.
+    pub from_s: Option<f64>,
+    /// What changes: the law whose trace it has.
+    pub what: String,
+}
+
 /// What any model could still gain.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Ceiling {
@@ -252,6 +263,9 @@ pub struct Diagnosis {
     pub nominal: Vec<Nominal>,
     /// Detectable sizes of other effects.
     pub smallest_seen: Vec<SmallestSeen>,
+    /// What changes over time.
+    #[serde(default)]
+    pub changes: Vec<Change>,
     /// Shortcomings of the experiment.
     pub missing: Vec<String>,
     /// What is to be doubted about the causes.

@@ -1,12 +1,15 @@
 //! Bound on the gain of any further model: a flexible predictor of the residual, cross-validated by
 //! blocks.
 
+mod changes;
 mod derived;
 mod waves;
 
+pub(super) use waves::wave_over;
+
 use rayon::prelude::*;
 
-use super::answer::{Ceiling, CorrelatedSignal};
+use super::answer::{Ceiling, Change, CorrelatedSignal};
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
 use super::memory::{Freedom, channel_distance};
@@ -30,6 +33,10 @@ pub(super) struct Bound {
     /// Root mean square of that on the test part; on the development part where a group was not
     /// simulated beyond it.
     pub floor: Vec<f64>,
+    /// What changes over time.
+    pub changes: Vec<Change>,
+    /// Whether a channel follows time itself, which motion that comes again does not repeat.
+    pub in_time: Vec<bool>,
 }
 
 /// Gains of a group must be beyond so many standard errors; a pattern that is strong in few places
@@ -56,6 +63,8 @@ const LEAST_PLAIN: Least = Least {
 /// Least mean crossings of a recurring feature.
 const LEAST_CROSSINGS: usize = 6;
 const FOLDS: usize = 6;
+/// What is left changes over time where a course in time is more than this part of it.
+const PREVAILS: f64 = 0.25;
 const MOST_GROUPS: usize = 4;
 
 /// One channel: what is to be explained, and where.
@@ -94,7 +103,13 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
     let mut floor = Vec::new();
     let (mut gain, mut sums, mut total) = (0.0, Vec::new(), 0.0);
     let mut correlated_signals = Vec::new();
+    let (mut changes, mut in_time) = (Vec::new(), vec![false; residual.len()]);
     for c in 0..residual.len() {
+        if rms(residual, &problem.split.development)[c] < rounding(problem, c) {
+            // What rounding leaves follows the readings themselves.
+            floor.push(rms(residual, &problem.split.test)[c]);
+            continue;
+        }
         let target = Target::new(problem, &residual[c], c, noise.channels[c].ar.len());
         let mut own = target.lines();
         own.extend(target.waves(&last.predicted));
@@ -106,13 +121,15 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
             target.residual,
             target.rows,
         ));
-        let simulated = spans(problem, &others, c);
+        let mut simulated = spans(problem, &others, c);
+        simulated.extend(target.changes(c, signatures));
         let all: Vec<&Group> = groups
             .iter()
             .chain(&simulated)
             .chain(&own)
             .filter(|g| !g.by_signal || target.comes_back(g))
             .collect();
+        let known = correlated_signals.len();
         let trial = target.explain(
             &all,
             &problem.model.channels()[c].name,
@@ -122,6 +139,19 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         gain += own;
         sums.extend(chance);
         total += dot(&trial.whole, &trial.whole);
+        let prevailing = trial.groups.iter().zip(&correlated_signals[known..]);
+        let prevailing = prevailing.filter(|(_, signal)| signal.fraction > PREVAILS);
+        for (group, signal) in prevailing.filter(|(group, _)| group.is_of_time()) {
+            (group.reaches.iter().chain([&c])).for_each(|&one| in_time[one] = true);
+            changes.extend(group.changes.map(|onset| Change {
+                channel: signal.channel.clone(),
+                from_s: onset.from_s,
+                what: match group.law.as_str() {
+                    "" => group.name.clone(),
+                    law => law.to_owned(),
+                },
+            }));
+        }
         let of_search = |group: &&Group| simulated.iter().any(|own| std::ptr::eq(*group, own));
         let rows = if trial.groups.iter().any(of_search) {
             &problem.split.development
@@ -143,7 +173,14 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         gain: gain.max(0.0),
         left,
         floor,
+        changes,
+        in_time,
     }
+}
+
+/// Standard deviation of what rounding leaves of a channel whose readings hold still.
+fn rounding(problem: &Problem, channel: usize) -> f64 {
+    problem.data.outputs[channel].held_step / 12_f64.sqrt()
 }
 
 impl<'a> Target<'a> {
@@ -172,7 +209,12 @@ impl<'a> Target<'a> {
             let above: Vec<bool> = picked.iter().map(|x| *x > mean).collect();
             above.windows(2).filter(|w| w[0] != w[1]).count() >= LEAST_CROSSINGS
         };
-        2 * group.features.iter().filter(|x| returns(x)).count() > group.features.len()
+        // What changes comes back if the law does, whenever it changes.
+        let traces = match group.traces.is_empty() {
+            true => &group.features,
+            false => &group.traces,
+        };
+        2 * traces.iter().filter(|x| returns(x)).count() > traces.len()
     }
 
     /// Takes group after group while they gain clearly: under the noise model, else under white
@@ -186,7 +228,10 @@ impl<'a> Target<'a> {
     ) -> GroupTrial<'g> {
         let mut now = self.trial(Vec::new(), self.order);
         while now.groups.len() < MOST_GROUPS {
-            let signals: Vec<&'g Group> = all.iter().copied().filter(|g| g.by_signal).collect();
+            // A line and a law that changes come back as often as a signal does, and an
+            // autoregression of some order follows either.
+            let comes_back = |g: &&Group| g.by_signal || g.is_of_time() && self.comes_back(g);
+            let signals: Vec<&'g Group> = all.iter().copied().filter(comes_back).collect();
             let found = self.next(&now, all, self.order, LEAST);
             let found = found.or_else(|| self.next(&now, &signals, 0, LEAST_PLAIN));
             let Some((next, mut signal)) = found else {
@@ -218,7 +263,7 @@ impl<'a> Target<'a> {
             .collect();
         let next = trials
             .into_iter()
-            .min_by(|a, b| a.innovation().total_cmp(&b.innovation()))?;
+            .min_by(|a, b| a.criterion().total_cmp(&b.criterion()))?;
         // Both under the noise of the larger, which has taken less of the pattern for noise.
         let smaller = self.errors(&now.groups, &next.noise);
         let (added, chance) = differences(&smaller, &next.errors);
@@ -316,6 +361,14 @@ impl<'a> Target<'a> {
 }
 
 impl GroupTrial<'_> {
+    /// Schwarz's, with all numbers that make the groups fit: what a wave of one frequency does, a
+    /// signal seen through a filter of many numbers does nearly, too.
+    fn criterion(&self) -> f64 {
+        let n = self.errors.len() as f64;
+        let numbers: usize = self.groups.iter().map(|group| group.numbers()).sum();
+        n * self.innovation().max(f64::MIN_POSITIVE).ln() + numbers as f64 * n.ln()
+    }
+
     /// Variance of what cannot be predicted, cross-validated.
     fn innovation(&self) -> f64 {
         self.noise.sigma.powi(2) * dot(&self.errors, &self.errors)

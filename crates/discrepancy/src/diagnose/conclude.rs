@@ -1,5 +1,9 @@
 //! From the end of the search to the answer.
 
+mod changing;
+mod excess;
+mod held_out;
+mod incidental;
 mod test_part;
 mod unnamed;
 
@@ -7,13 +11,15 @@ pub(crate) use test_part::breaks_away_from;
 
 use rayon::prelude::*;
 
+use self::excess::{Excess, excess};
 use super::ambiguity::{Rival, experiments, rivals};
 use super::answer::{Diagnosis, VERSION, Verdict, names};
 use super::ceiling::{Bound, bound as bound_on};
+use super::curve::Shown;
 use super::doubts::{at_bound, doubts};
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
-use super::floor::{Floor, NoiseSource, floors, left_beyond};
+use super::floor::{NoiseSource, floors};
 use super::noise::Noise;
 use super::problem::{Point, Problem};
 use super::search::Outcome;
@@ -23,8 +29,6 @@ use super::{Answer, DiagnoseError, Stage};
 use crate::model::{Columns, PredictError};
 use crate::stats::{deviation, ratio};
 
-/// From this ratio of the variance left to that of the noise on, most of what is left is no noise.
-const PREVAILS: f64 = 2.0;
 /// Least fraction of detectable candidates for the experiment to be informative.
 const LEAST_VISIBLE: f64 = 0.05;
 /// Other explanations that stand beside the causes at most; of more only the names are told.
@@ -82,6 +86,8 @@ pub(super) fn conclude(
         || to_all(&outcome.base.point),
     );
     let (last, base) = (last?, base?);
+    let (last, incidental) = incidental::without_incidental(problem, &base, last, to_all);
+    let held_out::Kept { last, refuted } = held_out::kept(problem, &base, last, to_all);
     problem.report(Stage::Ceiling);
     // One needs hardly any simulations, the other many, some of them in sequence.
     let (bound, described) = rayon::join(
@@ -89,9 +95,11 @@ pub(super) fn conclude(
         || described(problem, &outcome, &last),
     );
     let mut diagnosis = described?;
+    incidental::tell(incidental, &mut diagnosis);
     diagnosis.ceiling = bound.ceiling.clone();
-    diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound);
-    let floors = floors(&problem.data.outputs);
+    let changing = changing::part(problem, &before, &last, &bound);
+    diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound).max(changing);
+    let floors = changing::holding(floors(&problem.data.outputs), &bound);
     let excess = excess(problem, &before, &last, &floors);
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
@@ -103,22 +111,20 @@ pub(super) fn conclude(
             diagnosis.reason
         );
     }
-    test_part::open_test(problem, &base, &last, &mut diagnosis);
-    let last = match unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)? {
-        None => last,
+    held_out::tell(problem, &refuted, &mut diagnosis);
+    test_part::open_test(problem, &base, &last, &bound.changes, &mut diagnosis);
+    let curve = unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)?;
+    let (last, changes) = match curve {
+        None => (last, bound.changes),
         Some(shown) => {
-            let ended = &shown.fit;
-            let bound = bound_on(problem, &base, ended, &outcome.signatures);
-            let errors = standard_errors(problem, ended, &problem.split.development)?;
-            diagnosis.ceiling = bound.ceiling.clone();
-            diagnosis.unexplained_fraction = unexplained(problem, &base, ended, &bound);
-            diagnosis.channels = test_part::errors(problem, &before, &base, ended, &bound, &floors);
-            diagnosis.causes = causes(problem, ended, &errors)?;
-            diagnosis.nominal = nominal(problem, ended, &errors);
-            unnamed::tell(problem, &last, &shown, &mut diagnosis);
-            shown.fit
+            let bound = bound_on(problem, &base, &shown.fit, &outcome.signatures);
+            with_curve(problem, [&base, &last], &shown, &bound, &mut diagnosis)?;
+            diagnosis.channels =
+                test_part::errors(problem, &before, &base, &shown.fit, &bound, &floors);
+            (shown.fit, bound.changes)
         }
     };
+    changing::tell(changes, &mut diagnosis);
     diagnosis.fits = outcome.fits;
     Ok(Answer {
         effects: problem.effects(&last.point),
@@ -128,6 +134,23 @@ pub(super) fn conclude(
         test_rows: problem.split.test.per_channel.clone(),
         diagnosis,
     })
+}
+
+/// The answer with a curve beside the causes, or in their place.
+fn with_curve(
+    problem: &Problem,
+    [base, last]: [&Fit; 2],
+    shown: &Shown,
+    bound: &Bound,
+    diagnosis: &mut Diagnosis,
+) -> Result<(), DiagnoseError> {
+    let errors = standard_errors(problem, &shown.fit, &problem.split.development)?;
+    diagnosis.ceiling = bound.ceiling.clone();
+    diagnosis.unexplained_fraction = unexplained(problem, base, &shown.fit, bound);
+    diagnosis.causes = causes(problem, &shown.fit, &errors)?;
+    diagnosis.nominal = nominal(problem, &shown.fit, &errors);
+    unnamed::tell(problem, last, shown, diagnosis);
+    Ok(())
 }
 
 /// Simulations around the model chosen: causes with their uncertainty, other explanations,
@@ -152,9 +175,11 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
     diagnosis.further = (further.iter())
         .map(|&i| names(problem, &rivals[i].fit.point).join(" + "))
         .collect();
-    // The next best is reported even where it is no alternative.
+    // The next best is reported even where it is no alternative; the same law with more numbers is
+    // no other explanation.
+    let next = (rivals.iter()).position(|one| one.as_good || one.criterion_difference >= 0.0);
     let described: Vec<&Rival> = (rivals.iter().enumerate())
-        .filter(|(i, _)| *i == 0 || told.contains(i))
+        .filter(|(i, _)| Some(*i) == next || told.contains(i))
         .map(|(_, rival)| rival)
         .collect();
     let answers = (described.par_iter())
@@ -190,6 +215,7 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
         diagnosis.unexplained_fraction = diagnosis.unexplained_fraction.max(excess.fraction);
     }
     let prevails = excess.as_ref().is_some_and(|excess| excess.prevails);
+    let known = (diagnosis.channels.values()).all(|one| one.noise_source != NoiseSource::Bound);
     let followed = diagnosis
         .ceiling
         .correlated_signals
@@ -199,6 +225,7 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
         (Some(followed), Some(excess)) => Some(format!("{}, and {followed}", excess.text)),
         (followed, excess) => followed.or(excess.map(|excess| excess.text)),
     };
+    let is_more = followed.is_some();
     let percent = match 100.0 * diagnosis.unexplained_fraction {
         ..1.0 => "less than 1".to_owned(),
         percent => format!("{percent:.0}"),
@@ -251,7 +278,8 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
         outcome.limited,
     ) {
         (true, _) => Some(stopped),
-        (_, true) => Some(format!(
+        // Up to noise that is known there is nothing more.
+        (_, true) if is_more || !known => Some(format!(
             "The search ended at the limit of {} causes, and more is there.",
             diagnosis.causes.len()
         )),
@@ -260,7 +288,12 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
     if let Some(ended) = ended {
         diagnosis.reason = format!("{ended} {}", diagnosis.reason);
     }
-    if !matches!(diagnosis.verdict, Verdict::Ambiguous) {
+    if diagnosis.verdict == Verdict::UnknownCause {
+        // Of a part, too, nothing is named beside what is likelier without a word of that.
+        (diagnosis.alternatives).retain(|other| other.criterion_difference < 0.0);
+        diagnosis.further.clear();
+        diagnosis.experiments.clear();
+    } else if diagnosis.verdict != Verdict::Ambiguous {
         diagnosis.alternatives.clear();
         diagnosis.further.clear();
         diagnosis.experiments.clear();
@@ -322,56 +355,6 @@ fn up_to_noise(problem: &Problem, diagnosis: &Diagnosis) -> String {
         truecut_recording::significant(100.0 * share, 2),
         spec.name
     )
-}
-
-/// Where the noise is known and what is left is clearly above it.
-struct Excess {
-    /// Part of the discrepancy that it is.
-    fraction: f64,
-    /// It is more than the noise is, and no small part of what there was to be explained.
-    prevails: bool,
-    text: String,
-}
-
-/// What is left beyond the floor, on the rows that were fitted or on those that were not: the
-/// channel in which it is most.
-fn excess(
-    problem: &Problem,
-    before: &Columns,
-    last: &Fit,
-    floors: &[Option<Floor>],
-) -> Option<Excess> {
-    let nominal = problem.data.residual(before);
-    let mut most: Option<(f64, Excess)> = None;
-    for rows in [&problem.split.development, &problem.split.test] {
-        let beyond = left_beyond(floors, &last.residual, rows);
-        let squares = rms(&nominal, rows);
-        for (c, beyond) in beyond.iter().enumerate() {
-            let (Some(beyond), Some(floor)) = (beyond, &floors[c]) else {
-                continue;
-            };
-            if most.as_ref().is_some_and(|most| most.0 >= beyond.ratio) {
-                continue;
-            }
-            let discrepancy = squares[c].powi(2) - floor.rms.powi(2);
-            let text = format!(
-                "what is left of `{}` is {} times the noise ({})",
-                problem.model.channels()[c].name,
-                truecut_recording::significant(beyond.ratio.sqrt(), 3),
-                floor.source.description()
-            );
-            let fraction = (beyond.variance / discrepancy.max(beyond.variance)).min(1.0);
-            // By its size, not by its square.
-            let is_large = fraction.sqrt() > problem.options.unknown_above;
-            let excess = Excess {
-                fraction,
-                prevails: beyond.ratio > PREVAILS && is_large,
-                text,
-            };
-            most = Some((beyond.ratio, excess));
-        }
-    }
-    most.map(|(_, excess)| excess)
 }
 
 /// What a flexible predictor still explains, as a fraction of that plus what the effects explain.

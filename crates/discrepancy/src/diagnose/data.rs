@@ -22,6 +22,9 @@ pub struct Output {
     /// Standard deviation of the noise if it has no memory, from differences in time; 0 if they
     /// were not taken.
     pub noise_without_memory: f64,
+    /// Step between readings that hold still from one sample to the next, before any filter: what
+    /// rounding leaves of them comes again with the motion. 0 where noise moves them.
+    pub held_step: f64,
 }
 
 /// A known signal that a residual may depend on: a measured input, a spindle angle.

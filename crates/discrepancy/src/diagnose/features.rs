@@ -13,7 +13,24 @@ pub(super) struct Group {
     pub by_signal: bool,
     /// How many numbers were chosen so that the features fit: a frequency, a damping.
     pub chosen: usize,
+    /// Numbers of a filter that was taken from the residual itself.
+    pub filtered_by: usize,
+    /// Whether it is something that changes over time.
+    pub changes: Option<Onset>,
+    /// The law that changes.
+    pub law: String,
+    /// Channels in which that law is anything; none but its own if it is left empty.
+    pub reaches: Vec<usize>,
+    /// Its traces if it does not change.
+    pub traces: Vec<Vec<f64>>,
     pub features: Vec<Vec<f64>>,
+}
+
+/// When something changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Onset {
+    /// Of the data, in seconds; none if it changes all the time.
+    pub from_s: Option<f64>,
 }
 
 impl Group {
@@ -23,6 +40,11 @@ impl Group {
             name: name.into(),
             by_signal: true,
             chosen: 0,
+            filtered_by: 0,
+            changes: None,
+            law: String::new(),
+            reaches: Vec::new(),
+            traces: Vec::new(),
             features,
         }
     }
@@ -33,6 +55,16 @@ impl Group {
             by_signal: false,
             ..Group::of_signal(name, features)
         }
+    }
+
+    /// Whether it goes with time itself.
+    pub fn is_of_time(&self) -> bool {
+        !self.by_signal && (self.chosen > 0 || self.changes.is_some())
+    }
+
+    /// All numbers that make it fit.
+    pub fn numbers(&self) -> usize {
+        self.features.len() + self.chosen + self.filtered_by
     }
 
     /// Number of parameters chosen to explain most, those of the features included; 0 if none was.
@@ -54,7 +86,10 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
     let power = |k: i32| relative.iter().map(|x| x.powi(k)).collect();
     let mut groups = vec![
         Group::of_time("a constant", vec![vec![1.0; data.time_s.len()]]),
-        Group::of_time("time", (0..4).map(power).collect()),
+        Group {
+            changes: Some(Onset { from_s: None }),
+            ..Group::of_time("time", (0..4).map(power).collect())
+        },
     ];
     for (name, values) in problem.signals(predicted) {
         if let Some(standard) = standardised(values) {

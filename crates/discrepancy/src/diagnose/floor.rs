@@ -112,8 +112,10 @@ impl Floor {
         let rows = output.values.iter().zip(&output.valid);
         let kept: Vec<f64> = rows.filter(|(_, valid)| **valid).map(|(y, _)| *y).collect();
         let quantum = quantum(&kept);
+        let rounding = quantum.max(output.held_step) / 12_f64.sqrt();
         let numerical = NUMERICAL * deviation(&kept);
         if let Some(noise) = output.noise {
+            let noise = noise.max(output.held_step / 12_f64.sqrt());
             return Some(Floor {
                 source: NoiseSource::Stated,
                 rms: noise,
@@ -132,7 +134,7 @@ impl Floor {
         }
         let memory = memory(&sample.stretches);
         // A sensor that does not move within one of its steps has the noise of rounding.
-        let rms = (squares / free).sqrt().max(quantum / 12_f64.sqrt());
+        let rms = (squares / free).sqrt().max(rounding);
         Some(Floor {
             source: sample.source,
             rms,
@@ -272,6 +274,7 @@ mod tests {
             noise: None,
             sample: NoiseSample::of(NoiseSource::Standstill, sample, 40),
             noise_without_memory: 0.0,
+            held_step: 0.0,
         };
         (Floor::of(&output).unwrap(), own.to_vec())
     }
@@ -323,6 +326,7 @@ mod tests {
             noise: None,
             sample: NoiseSample::of(NoiseSource::Standstill, vec![vec![0.0; 100]], 40),
             noise_without_memory: 0.0,
+            held_step: 0.0,
         };
         let floor = Floor::of(&output).unwrap();
         assert!((floor.rms / (step / 12_f64.sqrt()) - 1.0).abs() < 1e-6);

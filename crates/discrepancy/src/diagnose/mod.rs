@@ -31,6 +31,7 @@ mod gate;
 mod late;
 mod memory;
 mod noise;
+mod orders;
 mod pairs;
 mod problem;
 mod race;
@@ -58,8 +59,8 @@ use crate::compare::{Pair, UnitSuspicion, unit_suspicion};
 use crate::model::{Columns, Model, PredictError};
 pub(crate) use answer::target_name;
 pub use answer::{
-    Alternative, Cause, Ceiling, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence, FitRecord,
-    Nominal, Parameter, Proposal, SmallestSeen, UnknownCurve, Verdict, Work,
+    Alternative, Cause, Ceiling, Change, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence,
+    FitRecord, Nominal, Parameter, Proposal, SmallestSeen, UnknownCurve, Verdict, Work,
 };
 pub(crate) use conclude::breaks_away_from;
 pub use data::{Fine, MIN_SAMPLES, Observation, Output, Regressor};

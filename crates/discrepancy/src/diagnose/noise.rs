@@ -276,9 +276,7 @@ pub(super) fn solve(target: &[f64], columns: &[Vec<f64>], priors: &[Prior]) -> V
 
 /// Sum of squares of the target that columns explain, of which nothing is known beforehand.
 pub(super) fn explained(target: &[f64], columns: &[Vec<f64>]) -> f64 {
-    let coefficients = solve(target, columns, &vec![Prior::default(); columns.len()]);
-    let parts = columns.iter().zip(&coefficients);
-    parts.map(|(x, b)| b * dot(x, target)).sum()
+    Moments::new(target, columns).explained()
 }
 
 /// Inner products of columns with one another and with what they are to explain. Those of parts of
@@ -322,6 +320,13 @@ impl Moments {
     /// Sum of squares of each column.
     pub(super) fn squares(&self) -> impl Iterator<Item = f64> + '_ {
         (0..self.target.len()).map(|i| self.columns[(i, i)].max(0.0))
+    }
+
+    /// Sum of squares of the target that the columns explain, of which nothing is known beforehand.
+    pub(super) fn explained(&self) -> f64 {
+        let coefficients = self.solve(&vec![Prior::default(); self.target.len()]);
+        let parts = coefficients.iter().zip(self.target.iter());
+        parts.map(|(b, product)| b * product).sum()
     }
 
     pub(super) fn solve(&self, priors: &[Prior]) -> Vec<f64> {

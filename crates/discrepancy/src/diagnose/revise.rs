@@ -6,16 +6,20 @@ use rayon::prelude::*;
 use super::DiagnoseError;
 use super::choice::{criterion, weight};
 use super::fit::{Fit, fit};
+use super::memory::{LEAST_GENERALISATION, distance};
 use super::noise::Noise;
 use super::problem::Point;
 use super::race::Race;
 use super::screen::rank;
 use super::search::{DECISIVE, Outcome, REFINED, Search, extended, settled, without};
+use super::signature::tests;
 
 /// Sizes, in parts of those found, from which a fit is made again.
 const RESTARTS: [f64; 4] = [-1.0, 0.4, 2.5, 4.0];
 /// Most that are fitted.
 const RESTARTED: usize = 6;
+/// So often an effect is fitted from other sizes before another is looked for at the limit.
+const MOST_RESTARTED: usize = 3;
 /// By so much, as a difference of minus twice the log-likelihood, another optimum must be better.
 const CLEARLY_BETTER: f64 = 10.0;
 
@@ -140,10 +144,10 @@ impl Search<'_, '_> {
         Ok(taken)
     }
 
-    /// Takes a pair that was fitted to begin with where it says clearly more with no more
-    /// parameters: an effect that can do much alone is added first, and no exchange of one effect
-    /// for another leads from it to two that are there. Likewise a single effect, where those that
-    /// were taken on the way to the one chosen have gone since.
+    /// Takes a pair that was fitted to begin with where it says clearly more, the price of its
+    /// parameters paid: an effect that can do much alone is added first, and no exchange of one
+    /// effect for another leads from it to two that are there. Likewise a single effect, where
+    /// those that were taken on the way to the one chosen have gone since.
     pub(super) fn prefer_the_first(&self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
         let problem = self.problem;
         let chosen = &outcome.chosen;
@@ -152,8 +156,15 @@ impl Search<'_, '_> {
         }
         let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
         let here = value(chosen) - DECISIVE;
-        let better =
-            |fit: &&Fit| weight(problem, fit) <= weight(problem, chosen) && value(fit) < here;
+        // One with more numbers has paid for them; what it generalises it must stand out of.
+        let heavier_is_right = |fit: &Fit| {
+            self.paired(chosen, fit).gain > 0.0
+                && distance(problem, &chosen.residual, &fit.residual) > LEAST_GENERALISATION
+        };
+        let better = |fit: &&Fit| {
+            value(fit) < here
+                && (weight(problem, fit) <= weight(problem, chosen) || heavier_is_right(fit))
+        };
         let pairs = outcome.pairs.iter().filter(better);
         let singles = outcome.singles.iter().filter(better);
         let singles = singles.filter(|single| self.paired(chosen, single).gain > 0.0);
@@ -170,5 +181,29 @@ impl Search<'_, '_> {
             (outcome.chosen, outcome.orders) = settled(problem, best)?;
         }
         Ok(())
+    }
+
+    /// Whether one more effect would earn its place. Where the simulations that are left do not
+    /// suffice to fit one: whether candidates beyond chance are left.
+    pub(super) fn finds_more(&mut self, outcome: &Outcome) -> Result<bool, DiagnoseError> {
+        let count = outcome.chosen.point.effects.len();
+        let mut next = outcome.clone();
+        for _ in 0..MOST_RESTARTED {
+            if !self.forward(&mut next)? {
+                return Ok(next.stopped && self.sees_more(outcome));
+            }
+            if next.chosen.point.effects.len() > count {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Whether candidates beyond chance are left.
+    fn sees_more(&self, outcome: &Outcome) -> bool {
+        let (base, found) = (&outcome.chosen, &outcome.signatures);
+        let tests = tests(self.problem, &base.point);
+        let (_, starts) = self.screened(base, found, &outcome.orders, tests);
+        !starts.is_empty()
     }
 }

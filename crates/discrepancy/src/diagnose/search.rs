@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::answer::FitRecord;
 use super::fit::{Fit, fit, unfitted};
 use super::noise::Noise;
+use super::orders::rippled;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
 use super::race::{Race, run};
@@ -14,6 +15,7 @@ use super::signature::{Signature, signatures, tests};
 use super::{DiagnoseError, Stage};
 
 /// Where the search ended.
+#[derive(Clone)]
 pub(super) struct Outcome {
     /// The nominal model, refitted.
     pub base: Fit,
@@ -104,7 +106,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
     while search.forward(&mut outcome)? {
         search.backward(&mut outcome)?;
         if outcome.chosen.point.effects.len() >= most {
-            outcome.limited = search.sees_more(&outcome);
+            outcome.limited = search.finds_more(&outcome)?;
             break;
         }
     }
@@ -115,7 +117,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         while search.forward(&mut outcome)? {
             search.thin(&mut outcome)?;
             if count(&outcome) >= most {
-                outcome.limited = search.sees_more(&outcome);
+                outcome.limited = search.finds_more(&outcome)?;
                 break;
             }
         }
@@ -181,7 +183,7 @@ pub(super) fn settled(problem: &Problem, first: Fit) -> Result<(Fit, Vec<usize>)
 
 impl Search<'_, '_> {
     /// Adds the effect, or the pair, that explains most; false where nothing earns its place.
-    fn forward(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
+    pub(super) fn forward(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
         let base = &outcome.chosen;
         // Looking for another effect takes as many simulations as looking for the first did.
@@ -194,6 +196,7 @@ impl Search<'_, '_> {
         outcome.tests = tests(problem, &base.point);
         if outcome.signatures.is_empty() {
             outcome.signatures = signatures(problem, base);
+            outcome.signatures.extend(rippled(problem, base));
         }
         let found = &outcome.signatures;
         let (ranking, mut starts) = self.screened(base, found, &outcome.orders, outcome.tests);
@@ -244,16 +247,8 @@ impl Search<'_, '_> {
         Ok(true)
     }
 
-    /// Whether candidates beyond chance are left.
-    fn sees_more(&self, outcome: &Outcome) -> bool {
-        let (base, found) = (&outcome.chosen, &outcome.signatures);
-        let tests = tests(self.problem, &base.point);
-        let (_, starts) = self.screened(base, found, &outcome.orders, tests);
-        !starts.is_empty()
-    }
-
     /// The ranking of all candidates by their signatures, and what is to be fitted.
-    fn screened(
+    pub(super) fn screened(
         &self,
         base: &Fit,
         found: &[Signature],

@@ -206,12 +206,27 @@ impl Screening<'_, '_> {
 /// from; smallest first.
 const LEVELS: [f64; 2] = [0.2, 1.0];
 
-/// Starting values: for each combination of the shape parameters' starts those of the sizes. Those
-/// that are levels of one typical size belong together; those that the kind names stand for
-/// themselves.
+/// Signatures of a candidate at one combination of its shape parameters.
+pub(super) fn shaped(
+    problem: &Problem,
+    base: &Fit,
+    candidate: usize,
+    shape: Vec<f64>,
+) -> Vec<Signature> {
+    let screening = Screening {
+        problem,
+        base,
+        level: rms(&base.residual, &problem.split.train),
+    };
+    let ladders = ladders(problem, candidate, &[shape]).into_iter();
+    ladders
+        .flat_map(|levels| screening.ladder(candidate, levels))
+        .collect()
+}
+
+/// Starting values of a candidate for each combination of the shape parameters' starts.
 fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<Vec<f64>>> {
     let infos = problem.infos(candidate);
-    let scale = &problem.candidates[candidate].scale;
     let mut shapes = vec![Vec::new()];
     for info in infos.iter().filter(|info| !info.is_size) {
         let starts = if info.starts.is_empty() {
@@ -221,6 +236,14 @@ fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<Vec<f64>>> {
         };
         shapes = combine(&shapes, &starts);
     }
+    ladders(problem, candidate, &shapes)
+}
+
+/// Starting values: for each combination of the shape parameters those of the sizes. Those that are
+/// levels of one typical size belong together; those that the kind names stand for themselves.
+fn ladders(problem: &Problem, candidate: usize, shapes: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
+    let infos = problem.infos(candidate);
+    let scale = &problem.candidates[candidate].scale;
     let sizes = || infos.iter().filter(|p| p.is_size);
     let own_starts = sizes().map(|p| p.starts.len()).max().unwrap_or(0);
     let is_ladder = own_starts == 0;

@@ -199,6 +199,7 @@ impl Trial {
             output.noise = known.stated;
             output.sample = known.sample;
             output.noise_without_memory = known.without_memory;
+            output.held_step = known.held_step;
         }
         let signals = signals::Signals::new(scenario, measured, &facts, recording.as_ref());
         let shortest_step_s = match &engine {

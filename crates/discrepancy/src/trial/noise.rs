@@ -2,6 +2,7 @@
 //! differences in time.
 
 mod period;
+mod steps;
 
 use truecut_recording::measured::{Measured, MeasuredChannel};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
@@ -9,6 +10,7 @@ use truecut_sim::InverseModel;
 
 use self::period::period;
 pub(crate) use self::period::{cubic, weights};
+use self::steps::held_step;
 use crate::diagnose::{NoiseSample, NoiseSource};
 use crate::stats::{deviation, mean};
 
@@ -36,6 +38,8 @@ pub(super) struct Known {
     pub sample: Option<NoiseSample>,
     /// Standard deviation if the noise has no memory.
     pub without_memory: f64,
+    /// Step between readings that hold still from one sample to the next; 0 where they do not.
+    pub held_step: f64,
 }
 
 /// The recording whose outputs `used` are, at the same rate: filtered in mode "inverse", and
@@ -79,6 +83,7 @@ impl<'a> Recording<'a> {
             stated: raw.noise.map(|noise| carried(noise, share, raw, used)),
             sample: (self.repeated(used)).or_else(|| self.resting(used)),
             without_memory: share * without_memory(&raw.values, &raw.valid),
+            held_step: held_step(&raw.values, &raw.valid),
         }
     }
 

@@ -37,6 +37,7 @@ pub(super) fn observation(
             noise: channel.noise,
             sample: None,
             noise_without_memory: 0.0,
+            held_step: 0.0,
         })
         .collect();
     let mut regressors: Vec<Regressor> = (measured.inputs())

@@ -6,9 +6,10 @@ use rayon::prelude::*;
 use truecut_recording::{fft, significant};
 
 use super::Target;
+use super::waves::refined;
 use crate::diagnose::data::LAGS;
 use crate::diagnose::features::Group;
-use crate::diagnose::noise::ChannelNoise;
+use crate::diagnose::noise::{ChannelNoise, dot, explained};
 
 impl Target<'_> {
     /// The groups seen through the dynamics of the residual itself, as its autoregression has them:
@@ -28,7 +29,9 @@ impl Target<'_> {
                 name: format!("{}, through the dynamics", group.name),
                 by_signal: group.by_signal,
                 chosen: group.chosen,
-                features,
+                filtered_by: LAGS,
+                changes: group.changes,
+                ..Group::of_signal("", features)
             })
         });
         groups.collect()
@@ -48,6 +51,9 @@ impl Target<'_> {
 
 /// Lines that are looked for.
 const LINES: usize = 4;
+/// Sections of a third by which the frequency of a line is found about its peak: to a part of the
+/// resolution at which a strong line leaves no more than its noise.
+const SECTIONS: usize = 24;
 
 impl Target<'_> {
     /// The strongest lines of the residual beyond its smooth spectrum, each found in what those
@@ -57,7 +63,7 @@ impl Target<'_> {
         while lines.len() < LINES {
             let found: Vec<&Group> = lines.iter().collect();
             let left = self.without(&found, &ChannelNoise::WHITE);
-            let Some(frequency) = self.line(&left) else {
+            let Some(frequency) = self.strongest_line(&left) else {
                 break;
             };
             let time = &self.problem.data.time_s;
@@ -71,11 +77,32 @@ impl Target<'_> {
         lines
     }
 
-    fn line(&self, left: &[f64]) -> Option<f64> {
+    /// The frequency of the line that stands out most; of one that is most of what is left, if one
+    /// is: two coefficients of an autoregression follow that as they would noise.
+    fn strongest_line(&self, left: &[f64]) -> Option<f64> {
+        let time = &self.problem.data.time_s;
+        let at_rows: Vec<f64> = self.rows.iter().map(|&t| left[t]).collect();
+        let explains = |hz: f64| {
+            let wave = |f: fn(f64) -> f64| -> Vec<f64> {
+                (self.rows.iter()).map(|&t| f(TAU * hz * time[t])).collect()
+            };
+            explained(&at_rows, &[wave(f64::cos), wave(f64::sin)])
+        };
+        let width = 0.5 / (time[time.len() - 1] - time[0]);
+        let of_order = |order: usize| {
+            let hz = self.line(left, order)?;
+            Some(refined(hz, width, SECTIONS, &explains))
+        };
+        let plain = of_order(0).filter(|(gain, _)| *gain > 0.5 * dot(&at_rows, &at_rows));
+        let (_, hz) = plain.or_else(|| of_order(self.order.min(2)))?;
+        Some(hz)
+    }
+
+    fn line(&self, left: &[f64], order: usize) -> Option<f64> {
         let time = &self.problem.data.time_s;
         let (interval, duration) = (time[1] - time[0], time[time.len() - 1] - time[0]);
         // Of low order: it flattens the spectrum without swallowing a line.
-        let e = self.noise(left, self.order.min(2)).whiten(left, self.rows);
+        let e = self.noise(left, order).whiten(left, self.rows);
         // Samples that are no rows stay zero.
         let mut padded = vec![0.0; (8 * time.len()).next_power_of_two()];
         for (e, &t) in e.iter().zip(self.rows) {

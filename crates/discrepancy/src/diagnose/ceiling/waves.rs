@@ -3,12 +3,14 @@
 use std::f64::consts::TAU;
 
 use rayon::prelude::*;
-use truecut_recording::{fft, significant};
+use truecut_recording::{Unit, fft, significant};
+use truecut_scenario::effect::Target as On;
 
 use super::Target;
 use crate::diagnose::data::Observation;
 use crate::diagnose::features::Group;
 use crate::diagnose::noise::{dot, explained};
+use crate::diagnose::problem::Problem;
 use crate::model::Columns;
 use crate::stats::{centred, mean};
 
@@ -22,41 +24,20 @@ const PER_SAMPLE: f64 = 0.35;
 /// The background of a wave is what is around it within this factor.
 const AROUND: f64 = 1.5;
 /// Sections by which the best fit is found about a peak.
-const REFINED: usize = 8;
+const SECTIONS: usize = 8;
 
 impl Target<'_> {
     /// For each known signal the strongest wave of the residual over it, and the strongest that
     /// turns its sign with the direction.
     pub(super) fn waves(&self, predicted: &Columns) -> Vec<Group> {
         let data = self.problem.data;
-        let outputs = (self.problem.model.channels().iter()).map(|spec| spec.name.as_str());
-        let places = places(data, outputs.zip(predicted));
+        let places = places(self.problem, predicted);
         let left: Vec<f64> = self.rows.iter().map(|&t| self.residual[t]).collect();
         let tried: Vec<(&Place, bool)> = (places.iter())
             .flat_map(|place| [false, true].map(|with_direction| (place, with_direction)))
             .collect();
         let found = tried.par_iter().filter_map(|(place, with_direction)| {
-            let values = place.at_samples(data);
-            let signed: Vec<f64> = match with_direction {
-                true => {
-                    let signs = directions(&values);
-                    let rows = self.rows.iter().zip(&left);
-                    rows.map(|(&t, r)| r * signs[t]).collect()
-                }
-                false => left.clone(),
-            };
-            let peaks = strongest(&values, self.rows, &centred(&signed))?;
-            let explains = |waves: f64| {
-                let features = place.features(data, waves, *with_direction);
-                let picked: Vec<Vec<f64>> = (features.iter())
-                    .map(|x| self.rows.iter().map(|&t| x[t]).collect())
-                    .collect();
-                explained(&left, &picked)
-            };
-            let refined = peaks
-                .places
-                .map(|peak| refined(peak, peaks.width, &explains));
-            let (_, waves) = refined.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let (_, waves) = place.best_wave(data, self.rows, &left, *with_direction)?;
             let direction = if *with_direction {
                 " and its direction"
             } else {
@@ -78,11 +59,16 @@ impl Target<'_> {
     }
 }
 
-/// The place within a width of one at which a function is greatest, and its value: by sections of a
-/// third.
-fn refined(middle: f64, width: f64, value: &impl Fn(f64) -> f64) -> (f64, f64) {
+/// The place within a width of one at which a function is greatest, and its value: by so many
+/// sections of a third.
+pub(super) fn refined(
+    middle: f64,
+    width: f64,
+    sections: usize,
+    value: &impl Fn(f64) -> f64,
+) -> (f64, f64) {
     let (mut low, mut high) = (middle - width, middle + width);
-    for _ in 0..REFINED {
+    for _ in 0..sections {
         let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
         if value(a) > value(b) {
             high = b;
@@ -94,18 +80,35 @@ fn refined(middle: f64, width: f64, value: &impl Fn(f64) -> f64) -> (f64, f64) {
     (value(best), best)
 }
 
+/// The wave of a residual over a joint's place that explains most: which part of it, and how many
+/// periods it has per unit.
+pub(in crate::diagnose) fn wave_over(
+    problem: &Problem,
+    predicted: &Columns,
+    joint: usize,
+    residual: &[f64],
+    rows: &[usize],
+) -> Option<(f64, f64)> {
+    let left: Vec<f64> = rows.iter().map(|&t| residual[t]).collect();
+    let whole = dot(&left, &left);
+    let own = format!("joint{}.", joint + 1);
+    let places = places(problem, predicted);
+    let found = (places.iter().filter(|place| place.name.starts_with(&own)))
+        .filter_map(|place| place.best_wave(problem.data, rows, &left, false));
+    let (gain, waves) = found.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (whole > 0.0).then(|| (gain / whole, waves))
+}
+
 /// A signal over which waves may lie, at all its samples: those of the data, or finer ones.
 struct Place<'a> {
     name: &'a str,
-    unit: &'static str,
+    unit: Unit,
     values: &'a [f64],
     is_fine: bool,
 }
 
-fn places<'a>(
-    data: &'a Observation,
-    outputs: impl Iterator<Item = (&'a str, &'a Vec<f64>)>,
-) -> Vec<Place<'a>> {
+fn places<'a>(problem: &'a Problem, predicted: &'a Columns) -> Vec<Place<'a>> {
+    let data = problem.data;
     let is_place = |name: &str| {
         [".angle", ".position", ".command"]
             .iter()
@@ -114,11 +117,7 @@ fn places<'a>(
     };
     let of = |name: &'a str, values: &'a [f64], is_fine| Place {
         name,
-        unit: if name.ends_with(".angle") {
-            "rad"
-        } else {
-            "(SI)"
-        },
+        unit: unit(problem, name),
         values,
         is_fine,
     };
@@ -130,14 +129,63 @@ fn places<'a>(
     }
     let known = data.regressors.iter().filter(|one| !one.is_angle);
     let known = known.map(|one| (one.name.as_str(), &one.values));
+    let outputs = (problem.model.channels().iter()).map(|spec| spec.name.as_str());
     known
-        .chain(outputs)
+        .chain(outputs.zip(predicted))
         .filter(|(name, _)| is_place(name))
         .map(|(name, values)| of(name, values, false))
         .collect()
 }
 
+/// The unit of a place: that of the output, or of the joint's coordinate.
+fn unit(problem: &Problem, name: &str) -> Unit {
+    let mut outputs = problem.model.channels().iter();
+    if let Some(spec) = outputs.find(|spec| spec.name == name) {
+        return spec.unit;
+    }
+    let joint = |index: usize| name.starts_with(&format!("joint{}.", index + 1));
+    let rotary = (problem.candidates.iter()).any(|one| match one.target {
+        On::Joint(index) => one.rotary && joint(index),
+        _ => false,
+    });
+    match rotary || name.ends_with(".angle") {
+        true => Unit::Radian,
+        false => Unit::Metre,
+    }
+}
+
 impl Place<'_> {
+    /// The wave that explains most of what is left at the rows: how much, and its periods per unit.
+    fn best_wave(
+        &self,
+        data: &Observation,
+        rows: &[usize],
+        left: &[f64],
+        with_direction: bool,
+    ) -> Option<(f64, f64)> {
+        let values = self.at_samples(data);
+        let signed: Vec<f64> = match with_direction {
+            true => {
+                let signs = directions(&values);
+                let rows = rows.iter().zip(left);
+                rows.map(|(&t, r)| r * signs[t]).collect()
+            }
+            false => left.to_vec(),
+        };
+        let peaks = strongest(&values, rows, &centred(&signed))?;
+        let explains = |waves: f64| {
+            let features = self.features(data, waves, with_direction);
+            let picked: Vec<Vec<f64>> = (features.iter())
+                .map(|x| rows.iter().map(|&t| x[t]).collect())
+                .collect();
+            explained(left, &picked)
+        };
+        let refined = peaks
+            .places
+            .map(|peak| refined(peak, peaks.width, SECTIONS, &explains));
+        refined.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     fn at_samples(&self, data: &Observation) -> Vec<f64> {
         match (&data.fine, self.is_fine) {
             (Some(fine), true) => self.values.iter().step_by(fine.every).copied().collect(),

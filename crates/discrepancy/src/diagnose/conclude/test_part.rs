@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnose::answer::{ChannelErrors, Diagnosis, Verdict};
+use crate::diagnose::answer::{Change, ChannelErrors, Diagnosis, Verdict};
 use crate::diagnose::ceiling::Bound;
 use crate::diagnose::data::Rows;
 use crate::diagnose::fit::{Fit, fit};
@@ -11,7 +11,6 @@ use crate::diagnose::noise::{ChannelNoise, dot};
 use crate::diagnose::problem::Problem;
 use crate::diagnose::validate::{batch_sums, compare, error_of_sum, rms};
 use crate::model::Columns;
-use crate::stats::centred;
 
 /// Errors on the test part.
 pub(super) fn errors(
@@ -29,7 +28,14 @@ pub(super) fn errors(
 }
 
 /// Scores on the test part. It changes the verdict only where the test part contradicts it.
-pub(super) fn open_test(problem: &Problem, base: &Fit, last: &Fit, diagnosis: &mut Diagnosis) {
+/// What changes all along needs no last part that is unlike the one before.
+pub(super) fn open_test(
+    problem: &Problem,
+    base: &Fit,
+    last: &Fit,
+    changes: &[Change],
+    diagnosis: &mut Diagnosis,
+) {
     let test = &problem.split.test;
     if diagnosis.verdict == Verdict::FitFailed {
         return;
@@ -42,12 +48,12 @@ pub(super) fn open_test(problem: &Problem, base: &Fit, last: &Fit, diagnosis: &m
     let refitted_to_all = fit(problem, last.point.clone(), &all, &orders, true);
     let settled = refitted_to_all.unwrap_or_else(|_| last.clone());
     let worse = !last.point.effects.is_empty() && paired.t() < -2.0;
-    let apart = breaks_away(problem, &settled);
+    let apart = changes.is_empty() && breaks_away(problem, &settled);
     if worse || apart {
         diagnosis.verdict = Verdict::UnknownCause;
         diagnosis.alternatives.clear();
         diagnosis.experiments.clear();
-        let from = truecut_recording::significant(problem.data.time_s[first_of(test)], 4);
+        let from = part_of(problem);
         diagnosis.reason = match apart {
             true => format!(
                 "In the last part of the data, from {from} s on, there is a discrepancy that the part before does not \
@@ -61,6 +67,12 @@ pub(super) fn open_test(problem: &Problem, base: &Fit, last: &Fit, diagnosis: &m
     }
 }
 
+/// Where the test part begins, in seconds.
+pub(super) fn part_of(problem: &Problem) -> String {
+    let first = first_of(&problem.split.test);
+    truecut_recording::significant(problem.data.time_s[first], 4)
+}
+
 fn first_of(rows: &Rows) -> usize {
     rows.per_channel
         .iter()
@@ -70,7 +82,7 @@ fn first_of(rows: &Rows) -> usize {
 }
 
 /// Whether the error on the test part is clearly larger than before it: whitened, or as it is about
-/// its mean. Slow noise wanders, so a mean alone must be far away.
+/// its median. Slow noise wanders, so a mean alone must be far away.
 fn breaks_away(problem: &Problem, last: &Fit) -> bool {
     let (before, test) = (&problem.split.development, &problem.split.test);
     (0..last.residual.len()).any(|c| {
@@ -79,15 +91,23 @@ fn breaks_away(problem: &Problem, last: &Fit) -> bool {
         let plain = |rows: &Rows| ChannelNoise::WHITE.whiten(column, &rows.per_channel[c]);
         let (a, b) = (plain(before), plain(test));
         is_larger(&whitened(before), &whitened(test), 6.0, 1.25)
-            || is_larger(&centred(&a), &centred(&b), 8.0, 4.0)
+            || is_larger(&about_median(&a), &about_median(&b), 8.0, 4.0)
             || is_larger(&a, &b, 8.0, 12.0)
     })
 }
 
 /// Whether what is left of one recording is clearly larger than what is left of another, about its
-/// mean.
+/// median.
 pub(crate) fn breaks_away_from(before: &[f64], after: &[f64]) -> bool {
-    is_larger(&centred(before), &centred(after), 8.0, 4.0)
+    is_larger(&about_median(before), &about_median(after), 8.0, 4.0)
+}
+
+/// A single sample far off moves a mean away from all others.
+fn about_median(x: &[f64]) -> Vec<f64> {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    x.iter().map(|x| x - middle).collect()
 }
 
 /// A sample's square counts for at most so many times the mean square.
@@ -147,4 +167,30 @@ pub(super) fn channel_errors(
             (spec.name.clone(), errors)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Colour, noise};
+
+    /// One reversal that comes a sample early is no discrepancy of the whole part, however large it
+    /// is beside the noise; a pattern in all of it is.
+    #[test]
+    fn regress_a_single_sample_is_no_part_that_breaks_away() {
+        for seed in 0..40 {
+            let drawn = noise(Colour::Ar1(0.6), 250, seed);
+            let (before, after) = drawn.split_at(200);
+            let mut single = after.to_vec();
+            single[7 + seed as usize] += 300.0;
+            let apart =
+                |part: &[f64]| is_larger(&about_median(before), &about_median(part), 8.0, 4.0);
+            assert!(!apart(&single), "seed {seed}");
+            let wave = |k: usize| 12.0 * (0.4 * k as f64 + seed as f64).sin();
+            let pattern: Vec<f64> = (after.iter().enumerate())
+                .map(|(k, x)| x + wave(k))
+                .collect();
+            assert!(apart(&pattern), "seed {seed}");
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! The search on models written here, whose data come from code of their own: closed forms and a
 //! Runge-Kutta integration with finer steps than the model's. Nothing of the simulator is used.
 
+mod changing;
 mod clean;
 mod force;
 mod single;
@@ -42,6 +43,7 @@ fn observed(
                 noise: None,
                 sample: None,
                 noise_without_memory: 0.0,
+                held_step: 0.0,
             }
         });
     Observation {

@@ -1,0 +1,51 @@
+//! The verdict with what it is about, to be read first.
+
+use truecut_discrepancy::diagnose::{Diagnosis, Verdict};
+
+use super::{name, names_of};
+
+/// The verdict as text.
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NothingBeyondNoise => "nothing beyond noise",
+        Verdict::Named => "cause named",
+        Verdict::Ambiguous => "these cannot be told apart",
+        Verdict::UnknownCause => "none of the causes known",
+        Verdict::NotIdentifiable => "not identifiable from these data",
+        Verdict::FitFailed => "the fit failed",
+    }
+}
+
+/// The verdict with the causes that it is about: to be read first.
+pub fn headline(diagnosis: &Diagnosis) -> String {
+    let names: Vec<String> = diagnosis.causes.iter().map(name).collect();
+    let rivals = diagnosis.alternatives.iter().map(names_of);
+    let verdict = verdict(diagnosis.verdict).to_uppercase();
+    match diagnosis.verdict {
+        Verdict::Named => format!("{verdict}: {}", names.join(" and ")),
+        Verdict::UnknownCause => unknown(diagnosis, &verdict),
+        Verdict::Ambiguous => {
+            let all: Vec<String> = std::iter::once(names.join(" and ")).chain(rivals).collect();
+            format!("{verdict}: {}", all.join(" or "))
+        }
+        _ => verdict,
+    }
+}
+
+/// The headline where the cause is unknown. What takes away no more than half of the discrepancy is
+/// not its cause.
+fn unknown(diagnosis: &Diagnosis, verdict: &str) -> String {
+    let names: Vec<String> = diagnosis.causes.iter().map(name).collect();
+    let likelier = diagnosis.alternatives.iter().map(names_of);
+    let all: Vec<String> = std::iter::once(names.join(" and "))
+        .chain(likelier)
+        .collect();
+    match (names.is_empty(), diagnosis.changes.is_empty()) {
+        (false, _) if diagnosis.unexplained_fraction > 0.5 => {
+            format!("{verdict}; A SMALL PART: {}", all.join(" or "))
+        }
+        (false, _) => format!("CAUSE NAMED, BUT NOT ALL OF IT: {}", all.join(" or ")),
+        (true, false) => format!("{verdict}, AND IT CHANGES OVER TIME"),
+        (true, true) => verdict.to_owned(),
+    }
+}

@@ -1,0 +1,59 @@
+//! What is measured changes over time: in the verdict, and in what is known of the noise.
+
+use truecut_recording::significant;
+
+use crate::diagnose::answer::{Change, Diagnosis, Verdict};
+use crate::diagnose::ceiling::Bound;
+use crate::diagnose::fit::Fit;
+use crate::diagnose::floor::{Floor, NoiseSource};
+use crate::diagnose::problem::Problem;
+use crate::diagnose::validate::rms;
+use crate::model::Columns;
+use crate::stats::ratio;
+
+/// The floors that hold: where a channel follows time itself, differences between periods are no
+/// noise, and what they say of it is not known.
+pub(super) fn holding(floors: Vec<Option<Floor>>, bound: &Bound) -> Vec<Option<Floor>> {
+    let channels = floors.into_iter().zip(&bound.in_time);
+    channels
+        .map(|(floor, in_time)| {
+            floor.filter(|floor| !in_time || floor.source != NoiseSource::Repetition)
+        })
+        .collect()
+}
+
+/// Part of the discrepancy that changes over time, by its size, in the channel where it is most. An
+/// autoregression follows what changes slowly, so that whitened it is next to nothing.
+pub(super) fn part(problem: &Problem, before: &Columns, last: &Fit, bound: &Bound) -> f64 {
+    let rows = &problem.split.development;
+    let nominal = rms(&problem.data.residual(before), rows);
+    let [with, without] = [&last.residual, &bound.left].map(|residual| rms(residual, rows));
+    let specs = problem.model.channels();
+    let changes = |c: &usize| (bound.changes.iter()).any(|one| one.channel == specs[*c].name);
+    (0..nominal.len())
+        .filter(changes)
+        .map(|c| {
+            let square = (with[c].powi(2) - without[c].powi(2)).max(0.0);
+            ratio(square.sqrt(), nominal[c].max(with[c]))
+        })
+        .fold(0.0, f64::max)
+}
+
+/// The finding, before whatever else the reason says.
+pub(super) fn tell(changes: Vec<Change>, diagnosis: &mut Diagnosis) {
+    diagnosis.changes = changes;
+    let found = (diagnosis.changes.iter())
+        .find(|change| change.from_s.is_some())
+        .or(diagnosis.changes.first());
+    let (Some(change), false) = (found, diagnosis.verdict == Verdict::FitFailed) else {
+        return;
+    };
+    let when = match change.from_s {
+        Some(from_s) => format!("from about {} s on", significant(from_s, 3)),
+        None => "all along".to_owned(),
+    };
+    diagnosis.reason = format!(
+        "What is measured changes over time: `{}`, {when}. {}",
+        change.channel, diagnosis.reason
+    );
+}

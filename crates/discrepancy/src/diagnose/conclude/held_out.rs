@@ -1,0 +1,131 @@
+//! Causes that the held-out part does not bear out.
+
+use super::test_part::part_of;
+use crate::diagnose::answer::{Diagnosis, Verdict, names};
+use crate::diagnose::choice::LEAST_T;
+use crate::diagnose::data::Rows;
+use crate::diagnose::fit::Fit;
+use crate::diagnose::problem::{Point, Problem};
+use crate::diagnose::search::without;
+use crate::diagnose::validate::{batch_sums, error_of_sum, rms};
+use crate::model::PredictError;
+
+/// The model with what is left of its causes, and the names of those taken away, with the channel
+/// in which each makes most worse and its errors without and with it.
+pub(super) struct Kept {
+    pub last: Fit,
+    pub refuted: Vec<Refuted>,
+}
+
+/// A cause that makes held-out data worse.
+pub(super) struct Refuted {
+    name: String,
+    channel: usize,
+    without: f64,
+    with: f64,
+}
+
+/// Takes away, one after the other, causes without which the held-out part is predicted better: an
+/// error that is whitened may say otherwise, where the noise's memory has taken a part of the
+/// pattern for noise.
+pub(super) fn kept(
+    problem: &Problem,
+    base: &Fit,
+    mut last: Fit,
+    to_all: impl Fn(&Point) -> Result<Fit, PredictError>,
+) -> Kept {
+    let mut refuted = Vec::new();
+    'again: loop {
+        let count = last.point.effects.len();
+        for index in 0..count {
+            let small = match count {
+                1 => base.clone(),
+                _ => match to_all(&without(&last.point, index)) {
+                    Ok(small) => small,
+                    Err(_) => continue,
+                },
+            };
+            if let Some((channel, errors)) = worse(problem, &small, &last) {
+                let mut alone = last.point.clone();
+                alone.effects = vec![last.point.effects[index].clone()];
+                refuted.push(Refuted {
+                    name: names(problem, &alone).join(" + "),
+                    channel,
+                    without: errors[0],
+                    with: errors[1],
+                });
+                last = small;
+                continue 'again;
+            }
+        }
+        return Kept { last, refuted };
+    }
+}
+
+/// The channel in which the larger model raises the held-out error most, with both errors, if it
+/// raises one and lowers none by what is worth naming, and that is no chance.
+fn worse(problem: &Problem, small: &Fit, large: &Fit) -> Option<(usize, [f64; 2])> {
+    let test = &problem.split.test;
+    let [before, after] = [small, large].map(|fit| rms(&fit.residual, test));
+    let least = problem.options.min_gain;
+    let channels = 0..before.len();
+    if (channels.clone()).any(|c| after[c] < (1.0 - least) * before[c]) {
+        return None;
+    }
+    let rise = |c: &usize| after[*c] / before[*c].max(f64::MIN_POSITIVE);
+    let most = channels.max_by(|a, b| rise(a).total_cmp(&rise(b)))?;
+    let clear = rise(&most) > 1.0 + least && risen(test, most, small, large) > LEAST_T;
+    clear.then(|| (most, [before[most], after[most]]))
+}
+
+/// By how many standard errors the squares of a channel rise.
+fn risen(test: &Rows, channel: usize, small: &Fit, large: &Fit) -> f64 {
+    let squares = |fit: &Fit, t: usize| fit.residual[channel][t].powi(2);
+    let rises: Vec<f64> = (test.per_channel[channel].iter())
+        .map(|&t| squares(large, t) - squares(small, t))
+        .collect();
+    let sums = batch_sums(&rises);
+    sums.iter().sum::<f64>() / error_of_sum(&sums).max(f64::MIN_POSITIVE)
+}
+
+/// The finding in the verdict: what the search came to, and why it is not named.
+pub(super) fn tell(problem: &Problem, refuted: &[Refuted], diagnosis: &mut Diagnosis) {
+    if refuted.is_empty() || diagnosis.verdict == Verdict::FitFailed {
+        return;
+    }
+    let told: Vec<String> = (refuted.iter())
+        .map(|one| {
+            let spec = &problem.model.channels()[one.channel];
+            let number = |x: f64| truecut_recording::significant(x, 3);
+            format!(
+                "{} (`{}` {} without it, {} {} with it)",
+                one.name,
+                spec.name,
+                number(one.without),
+                number(one.with),
+                spec.unit
+            )
+        })
+        .collect();
+    let from = part_of(problem);
+    let contradicted = format!(
+        "The last part of the data, from {from} s on, contradicts {}, which the part before asks for: not named.",
+        told.join(" and ")
+    );
+    let others = match diagnosis.verdict {
+        Verdict::UnknownCause => format!(" {}", diagnosis.reason),
+        _ if diagnosis.causes.is_empty() => String::new(),
+        _ => format!(" {}", diagnosis.reason),
+    };
+    diagnosis.reason = format!("{contradicted}{others}");
+    diagnosis.verdict = Verdict::UnknownCause;
+    diagnosis.missing.clear();
+    diagnosis.unexplained_fraction = match diagnosis.causes.is_empty() {
+        true => 1.0,
+        false => diagnosis.unexplained_fraction,
+    };
+    diagnosis.alternatives.clear();
+    diagnosis.further.clear();
+    diagnosis.experiments.clear();
+    diagnosis.runner_up = None;
+}

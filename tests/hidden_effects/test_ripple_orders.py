@@ -1,0 +1,39 @@
+"""A ripple of any order is named, wherever the order lies between those that a search begins from.
+
+Arms, motions and orders are drawn from seeds; the arm on its rippling transmission is MuJoCo's.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from bench import ROOT  # noqa: E402, F401
+from bench.effects import Effect  # noqa: E402
+from test_delays import Drawn, named  # noqa: E402
+
+# between the orders 10 and 50 that the effect begins from, as far from both as a fit does not come
+ORDERS = (18.0, 35.0)
+
+
+@pytest.mark.parametrize("seed", range(68_000, 68_004))
+def test_crosscheck_mujoco_a_ripple_of_any_order(seed, tmp_path):
+    draw = np.random.default_rng([seed, 23])
+    drawn = Drawn(seed, tmp_path / "arm")
+    order, phase = draw.uniform(*ORDERS), draw.uniform(0.0, 2.0 * np.pi)
+    size = 3e-3 / order
+    ripple = {"cosine_rad": size * np.cos(phase), "sine_rad": size * np.sin(phase), "cycles": order}
+    moved = drawn.moved([Effect("joint_ripple", drawn.number, ripple)])
+    found = named(drawn.forward(), drawn.measured(*moved, np.zeros(drawn.joints + 1)))
+    assert found["verdict"] == "named", found["reason"]
+    (cause,) = found["causes"]
+    assert (cause["kind"], cause["target"]) == ("joint_ripple", f"joint{drawn.number}")
+    told = {key: one["value"] for key, one in cause["parameters"].items()}
+    assert told["cycles"] == pytest.approx(order, rel=0.01)
+    amplitude = np.hypot(told["cosine_rad"], told["sine_rad"])
+    assert amplitude == pytest.approx(size, rel=0.1)
