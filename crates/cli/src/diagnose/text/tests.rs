@@ -1,5 +1,7 @@
 //! Texts of a diagnosis.
 
+use truecut_recording::Unit;
+
 use super::*;
 
 fn parameter(value: f64, width: Option<f64>, unit: Unit) -> Parameter {
