@@ -48,7 +48,8 @@ struct Body<'a> {
     center_m: f64,
     /// Half of the inertia's trace is `∫ r² dm` about the centre, kg m².
     second_moment_kg_m2: f64,
-    /// Whether its mass is an estimate, spread by volume: a rare data sheet makes small links dense.
+    /// Whether its mass is an estimate, spread by volume: a rare data sheet makes small links
+    /// dense.
     is_estimate: bool,
 }
 
