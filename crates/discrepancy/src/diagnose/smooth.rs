@@ -1,9 +1,9 @@
 //! How smooth a curve is: its bending has a price, as high as the data make likely.
 //!
 //! A curve's values are many, and without a price each follows the noise at its own place. With the
-//! price `λ ∫ f''²` a curve is the posterior mean of an integrated Wiener process (`wahba1978`), the
-//! weight `λ` is the one under which the data are likeliest (`mackay1992`), and that likelihood, in
-//! which all values are integrated out, is what a curve is held against a model without it by.
+//! price `λ ∫ f''²` a curve is the posterior mean of an integrated Wiener process (`wahba1978`). The
+//! weight `λ` is the one under which the data are likeliest (`mackay1992`), and by that likelihood,
+//! in which all values are integrated out, a curve is held against a model without it.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
