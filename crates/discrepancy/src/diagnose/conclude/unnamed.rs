@@ -11,11 +11,7 @@ use crate::diagnose::validate::rms;
 use crate::stats::ratio;
 
 /// The curve that shows what the causes leave: on any joint where the cause is unknown or what is
-<<<<<<< HEAD
-/// left is noise only if noise has a long memory, on those that have a cause where causes are
-=======
 /// left is noise only if noise has a long memory; on those that have a cause where causes are
->>>>>>> w_curves
 /// named, whose shape it may not be.
 pub(super) fn curve(
     problem: &Problem,
