@@ -47,8 +47,9 @@ EACH_TEMPLATE = pytest.mark.parametrize("template", TEMPLATES, ids=lambda t: f"{
 
 
 def test_verify_every_kind_is_hidden_somewhere():
-    """Each kind of the library has a template, and three things outside it have one."""
-    assert {t.kind for t in TEMPLATES} == set(KINDS)
+    """Each kind of the library has a template, and three things outside it have one. Zeros of joints are hidden on
+    the drawn arms (`tests/random_bench`) alone."""
+    assert {t.kind for t in TEMPLATES} == set(KINDS) - {"joint_zero"}
     assert len({t.kind for t in STRANGERS}) >= 3
 
 

@@ -28,8 +28,8 @@ const RIGHT_ANGLE: f64 = 0.02;
 /// What speaks against the values of an arm.
 pub(crate) struct Doubts {
     pub(crate) notes: Vec<String>,
-    /// Why masses and inertias are not the arm's own: two signs, since one alone may be chance, or a
-    /// machine like no other.
+    /// Why masses and inertias are not the arm's own: two signs, since one alone may be chance, or
+    /// a machine like no other.
     pub(crate) placeholders: Option<String>,
 }
 

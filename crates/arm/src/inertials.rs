@@ -1,9 +1,9 @@
 //! Masses, centres and inertias held against what a body of the arm can have: files come with
 //! inertias in kg mm² and centres in mm, and a run with them gives numbers like any other.
 //!
-//! Two bounds are of physics. The mass of a body of the arm lies within the arm, so neither its
-//! centre nor its radius of gyration is farther than the arm is long. And of all bodies with a mass
-//! and no more than a density the ball has the least inertia: nothing is denser than osmium.
+//! The mass of a body of the arm lies within the arm, so neither its centre nor its radius of
+//! gyration is farther than the arm is long: what is, is refused. And of all bodies with a mass and
+//! no more than a density the ball has the least inertia: what has less is a placeholder.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -48,7 +48,8 @@ struct Body<'a> {
     center_m: f64,
     /// Half of the inertia's trace is `∫ r² dm` about the centre, kg m².
     second_moment_kg_m2: f64,
-    /// Whether its mass is an estimate, spread by volume: a rare data sheet makes small links dense.
+    /// Whether its mass is an estimate, spread by volume: a rare data sheet makes small links
+    /// dense.
     is_estimate: bool,
 }
 
@@ -179,17 +180,6 @@ impl Body<'_> {
             );
             return Some(("inertia", said));
         }
-        let least_m = self.ball_m(DENSEST_KG_PER_M3);
-        if gyration_m < least_m && !self.has_no_size() {
-            let said = format!(
-                "{}, less than a ball of osmium of that mass has ({} m; nothing is denser, and no shape has less): \
-                 masses are given in kg, inertias in kg m^2{}",
-                self.described(),
-                short(least_m),
-                self.in_other_units(length_m),
-            );
-            return Some(("inertia", said));
-        }
         None
     }
 
@@ -204,14 +194,24 @@ impl Body<'_> {
                 self.in_other_units(length_m),
             ));
         }
-        let least_m = self.ball_m(STEEL_KG_PER_M3);
-        (gyration_m < least_m && !self.has_no_size()).then(|| {
-            format!(
-                "{}, less than a solid ball of steel of that mass has ({} m){}",
-                self.described(),
-                short(least_m),
-                self.in_other_units(length_m),
-            )
+        if self.has_no_size() {
+            return None;
+        }
+        // A small number stands for want of a better one in many a URDF: none of these is refused.
+        let balls = [
+            (DENSEST_KG_PER_M3, "osmium", "; nothing is denser"),
+            (STEEL_KG_PER_M3, "steel", ""),
+        ];
+        balls.iter().find_map(|(density, material, why)| {
+            let least_m = self.ball_m(*density);
+            (gyration_m < least_m).then(|| {
+                format!(
+                    "{}, less than a solid ball of {material} of that mass has ({} m{why}){}",
+                    self.described(),
+                    short(least_m),
+                    self.in_other_units(length_m),
+                )
+            })
         })
     }
 

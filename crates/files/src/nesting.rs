@@ -1,5 +1,5 @@
-//! How deep arrays and inline tables of a TOML text are nested, found without recursion: its readers
-//! recurse, and count what is closed without having been opened against what is open.
+//! How deep arrays and inline tables of a TOML text are nested, found without recursion: its
+//! readers recurse, and count what is closed without having been opened against what is open.
 
 use toml_parser::Source;
 use toml_parser::lexer::TokenKind;

@@ -170,16 +170,6 @@ pub const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
         ],
     ),
     (
-        "inertia_denser_than_osmium",
-        Some(16),
-        &[
-            "\"upper\"",
-            "0.00403 m",
-            "a ball of osmium",
-            "in t m^2 it were 0.127 m",
-        ],
-    ),
-    (
         "centre_in_mm",
         Some(14),
         &[

@@ -37,8 +37,8 @@ struct Input<'a> {
     second: &'a MeasuredChannel,
     /// The larger of both.
     deviation: f64,
-    /// Variance of the noise of both, over the square of the deviation.
-    noise: f64,
+    /// Variances of the noise of each, over the square of the deviation.
+    noises: [f64; 2],
 }
 
 impl<'a> Input<'a> {
@@ -51,12 +51,20 @@ impl<'a> Input<'a> {
             first,
             second,
             deviation,
-            noise: (noises[0] + noises[1]) / deviation.powi(2).max(f64::MIN_POSITIVE),
+            noises: noises.map(|noise| noise / deviation.powi(2).max(f64::MIN_POSITIVE)),
         }
     }
 
-    /// How unlike both are if the second comes `lag` intervals later.
+    /// How unlike both are, beyond their noise, if the second comes `lag` intervals later.
     fn unlike(&self, lag: f64, stride: usize) -> f64 {
+        let [apart, chance] = self.apart(lag, stride);
+        (apart - chance).max(0.0).sqrt()
+    }
+
+    /// Mean square of what is apart if the second comes `lag` intervals later, without what noise
+    /// gives in the mean, and by how much more it may give by chance; both over the square of the
+    /// deviation. The first is infinite where too few rows meet.
+    fn apart(&self, lag: f64, stride: usize) -> [f64; 2] {
         let rows = (0..self.first.values.len()).step_by(stride);
         let pairs = rows.filter_map(|row| {
             let place = row as f64 + lag;
@@ -68,18 +76,21 @@ impl<'a> Input<'a> {
         let apart: Vec<f64> = pairs.collect();
         let shorter = self.first.values.len().min(self.second.values.len());
         if 2 * apart.len() * stride < shorter {
-            return f64::INFINITY;
+            return [f64::INFINITY, 0.0];
         }
         if self.deviation <= 0.0 {
             return match apart.iter().all(|x| *x == 0.0) {
-                true => 0.0,
-                false => f64::INFINITY,
+                true => [0.0, 0.0],
+                false => [f64::INFINITY, 0.0],
             };
         }
         let squares: Vec<f64> = apart.iter().map(|x| (x / self.deviation).powi(2)).collect();
+        // Between samples the interpolation takes a part of the second's noise away.
+        let kept: f64 = weights(lag - lag.floor()).map(|w| w * w).iter().sum();
+        let noise = self.noises[0] + kept * self.noises[1];
         // The mean of squares is known to a part of itself.
-        let own = (1.0 + 6.0 / (squares.len() as f64).sqrt()) * self.noise;
-        (mean(&squares) - own).max(0.0).sqrt()
+        let chance = 6.0 / (squares.len() as f64).sqrt() * noise;
+        [mean(&squares) - noise, chance]
     }
 }
 
@@ -119,8 +130,13 @@ pub(super) fn later(first: &Measured, second: &Measured) -> Option<(f64, f64)> {
         .filter(|&k| at(k) < UNLIKE && (k == 0 || at(k) <= at(k - 1)) && at(k) <= at(k + 1))
         .collect();
     minima.sort_by(|a, b| lags[*a].abs().total_cmp(&lags[*b].abs()));
+    // Chance is no part of where both are most alike: it would make the least a wide one.
+    let apart = |lag: f64| -> f64 {
+        let each = inputs.iter().map(|input| input.apart(lag, stride)[0]);
+        each.fold(f64::NEG_INFINITY, f64::max)
+    };
     let mut ends = minima.iter().take(PLACES).map(|&k| {
-        let lag = least(&unlike, lags[k] - step, lags[k] + step);
+        let lag = least(&apart, lags[k] - step, lags[k] + step);
         (lag, unlike(lag))
     });
     ends.find(|end| end.1 < AGAIN)
@@ -269,7 +285,7 @@ mod tests {
             let rows = rows
                 .zip(&there.channels[0].valid)
                 .filter(|(_, valid)| **valid);
-            assert_eq!(rows.clone().count(), there.time_s.len());
+            assert!(there.channels[0].valid.iter().all(|valid| *valid));
             assert!(rows.clone().count() > 1400);
             for ((found, wanted), _) in rows {
                 assert!((found - wanted).abs() < 1e-5, "{found} {wanted}");

@@ -125,8 +125,8 @@ fn is_beyond_numerics(problem: &Problem, small: &Fit, large: &Fit) -> bool {
 }
 
 /// Bayesian information criterion on training and validation rows together, with noise of the given
-/// orders. A shape parameter counts twice: it is searched over all its range, from several starts. A
-/// curve counts by its evidence.
+/// orders. A shape parameter counts twice: it is searched over all its range, from several starts.
+/// A curve counts by its evidence.
 pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
     let rows = &problem.split.development;
     objective(problem, &trial.residual, rows, orders)

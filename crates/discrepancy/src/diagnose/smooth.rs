@@ -1,9 +1,10 @@
 //! How smooth a curve is: its bending has a price, as high as the data make likely.
 //!
 //! A curve's values are many, and without a price each follows the noise at its own place. With the
-//! price `λ ∫ f''²` a curve is the posterior mean of an integrated Wiener process (`wahba1978`), the
-//! weight `λ` is the one under which the data are likeliest (`mackay1992`), and that likelihood, in
-//! which all values are integrated out, is what a curve is held against a model without it by.
+//! price `λ ∫ f''²` a curve is the posterior mean of an integrated Wiener process (`wahba1978`),
+//! the weight `λ` is the one under which the data are likeliest (`mackay1992`), and that
+//! likelihood, in which all values are integrated out, is what a curve is held against a model
+//! without it by.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -208,10 +209,12 @@ mod tests {
     }
 
     /// Of waves in noise, each value measured once, the weight leaves less error than none and less
-    /// than the largest does, and is within a factor of 1.5 of the best error of any.
+    /// than the largest does; in the mean over the draws it is within a quarter of the least error
+    /// of any weight, which no one knows without the truth.
     #[test]
     fn verify_the_likeliest_weight_is_near_the_best() {
         let places = 90;
+        let mut ratios = Vec::new();
         for seed in 0..10 {
             let drawn = noise(Colour::White, places + 2, 100 + seed);
             let waves = 2.0 + drawn[places].abs();
@@ -250,8 +253,9 @@ mod tests {
             let tried = (-24..=6).map(|i| error(10_f64.powf(0.5 * f64::from(i))));
             let best = tried.fold(f64::INFINITY, f64::min);
             let found = error(smooth.weight);
-            assert!(found < 1.5 * best, "{found} of {best}");
+            ratios.push((found / best).ln());
             assert!(found < 0.8 * error(1e-12) && found < 0.8 * error(1e3));
         }
+        assert!(crate::stats::mean(&ratios) < 1.25_f64.ln(), "{ratios:?}");
     }
 }

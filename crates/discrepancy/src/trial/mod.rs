@@ -396,9 +396,3 @@ fn mode(scenario: &Scenario) -> Option<ReplayMode> {
         _ => None,
     }
 }
-
-/// A channel of a run.
-fn column<'a>(rows: &'a Rows, name: &str) -> Option<&'a Vec<f64>> {
-    let mut pairs = rows.channels.iter().zip(&rows.columns);
-    pairs.find_map(|(spec, column)| (spec.name == name).then_some(column))
-}

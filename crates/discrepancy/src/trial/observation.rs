@@ -8,7 +8,8 @@ use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::run::Rows;
 use truecut_sim::{InverseModel, SimError};
 
-use super::{column, parallel, sampling};
+use super::signals::column;
+use super::{parallel, sampling};
 use crate::diagnose::{Fine, Observation, Output, Regressor};
 use crate::stats::ratio;
 

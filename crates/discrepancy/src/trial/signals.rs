@@ -37,6 +37,12 @@ pub(super) struct JointSignals {
     pub effort_varies: f64,
 }
 
+/// A channel of a run.
+pub(super) fn column<'a>(rows: &'a Rows, name: &str) -> Option<&'a Vec<f64>> {
+    let mut pairs = rows.channels.iter().zip(&rows.columns);
+    pairs.find_map(|(spec, column)| (spec.name == name).then_some(column))
+}
+
 impl Signals {
     pub(super) fn new(
         scenario: &Scenario,
@@ -45,7 +51,7 @@ impl Signals {
         nominal: Option<&Rows>,
     ) -> Signals {
         let column = |name: &str| -> Option<Vec<f64>> {
-            let simulated = nominal.and_then(|rows| super::column(rows, name)).cloned();
+            let simulated = nominal.and_then(|rows| column(rows, name)).cloned();
             simulated.or_else(|| measured.channel(name).ok().map(|one| one.values.clone()))
         };
         let first = |joint: usize, names: &[&str]| {

@@ -8,8 +8,8 @@ use crate::model::Candidate;
 /// Part of the drive forces that must change for a zero to show; rounding changes less.
 const SHOWN: f64 = 1e-9;
 
-/// The candidates without zeros of joints that change no drive force, as that of a first joint about
-/// the vertical.
+/// The candidates without zeros of joints that change no drive force, as that of a first joint
+/// about the vertical.
 pub(super) fn shown(engine: &Kind, mut candidates: Vec<Candidate>) -> Vec<Candidate> {
     let Kind::Inverse { model, .. } = engine else {
         return candidates;

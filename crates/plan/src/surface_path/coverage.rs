@@ -68,8 +68,7 @@ impl SurfacePath {
         let left = areas.iter().zip(&cells.touched);
         let left: f64 = left
             .filter(|(_, touched)| !**touched)
-            .map(|(area, _)| area)
-            .sum();
+            .fold(0.0, |sum, (area, _)| sum + area);
         if whole > 0.0 { left / whole } else { 0.0 }
     }
 }

@@ -18,8 +18,8 @@ const TIME_NAMES: [&str; 9] = [
     "epoch",
 ];
 
-/// Part by which a rate that is given may miss that of the file's own times: clocks of drives differ
-/// by less, and rates are rounded.
+/// Part by which a rate that is given may miss that of the file's own times: clocks of drives
+/// differ by less, and rates are rounded.
 const RATE_TOLERANCE: f64 = 0.02;
 
 /// A column, its unit, and why that is a guess.
