@@ -48,6 +48,8 @@ pub(super) fn difference(first: &Observation, second: &Observation, at: Overlap)
                 true => a.noise_without_memory.hypot(b.noise_without_memory),
                 false => 0.0,
             },
+            // Either rounding stays, whatever the other does.
+            held_step: a.held_step.hypot(b.held_step),
         }
     });
     let shifted = |range: &Range<usize>| {
@@ -90,6 +92,7 @@ pub(super) fn one_after_the_other(first: &Observation, second: &Observation) -> 
             noise: a.noise.zip(b.noise).map(|(a, b)| mean(a, b)),
             sample: both(a, b, 1.0),
             noise_without_memory: mean(a.noise_without_memory, b.noise_without_memory),
+            held_step: mean(a.held_step, b.held_step),
         }
     });
     let interval_s = (second.time_s.get(1)).map_or(0.0, |next| next - second.time_s[0]);
