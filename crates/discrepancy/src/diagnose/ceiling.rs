@@ -3,12 +3,15 @@
 
 mod changes;
 mod derived;
+mod folds;
+mod onset;
 mod waves;
 
 pub(super) use waves::wave_over;
 
 use rayon::prelude::*;
 
+use self::folds::Folds;
 use super::answer::{Ceiling, Change, CorrelatedSignal};
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
@@ -62,7 +65,6 @@ const LEAST_PLAIN: Least = Least {
 };
 /// Least mean crossings of a recurring feature.
 const LEAST_CROSSINGS: usize = 6;
-const FOLDS: usize = 6;
 /// What is left changes over time where a course in time is more than this part of it.
 const PREVAILS: f64 = 0.25;
 const MOST_GROUPS: usize = 4;
@@ -71,12 +73,12 @@ const MOST_GROUPS: usize = 4;
 struct Target<'a> {
     problem: &'a Problem<'a>,
     residual: &'a [f64],
+    /// Whether each sample was measured.
+    valid: &'a [bool],
     rows: &'a [usize],
     order: usize,
     floor: f64,
-    /// Of each row.
-    fold: Vec<usize>,
-    folds: usize,
+    folds: Folds,
 }
 
 /// Groups fitted together, with the noise of what they leave.
@@ -186,17 +188,14 @@ fn rounding(problem: &Problem, channel: usize) -> f64 {
 impl<'a> Target<'a> {
     fn new(problem: &'a Problem, residual: &'a [f64], c: usize, order: usize) -> Target<'a> {
         let rows = &problem.split.development.per_channel[c];
-        let blocks = &problem.split.blocks;
-        let folds = FOLDS.min(blocks.len());
-        let fold_of = |t: &usize| blocks.iter().position(|b| b.contains(t)).unwrap_or(0) % folds;
         Target {
             problem,
             residual,
+            valid: &problem.data.outputs[c].valid,
             rows,
             order,
             floor: problem.floor[c],
-            fold: rows.iter().map(fold_of).collect(),
-            folds,
+            folds: Folds::of_blocks(&problem.split.blocks, rows),
         }
     }
 
@@ -265,7 +264,7 @@ impl<'a> Target<'a> {
             .into_iter()
             .min_by(|a, b| a.criterion().total_cmp(&b.criterion()))?;
         // Both under the noise of the larger, which has taken less of the pattern for noise.
-        let smaller = self.errors(&now.groups, &next.noise);
+        let smaller = self.errors(&now.groups, &next.noise, &self.folds(&next.groups));
         let (added, chance) = differences(&smaller, &next.errors);
         let (error, total) = (dot(&chance, &chance).sqrt(), dot(&next.whole, &next.whole));
         let signal = CorrelatedSignal {
@@ -297,7 +296,7 @@ impl<'a> Target<'a> {
         }
         GroupTrial {
             whole: noise.whiten(self.residual, self.rows),
-            errors: self.errors(&groups, &noise),
+            errors: self.errors(&groups, &noise, &self.folds(&groups)),
             groups,
             noise,
             left,
@@ -316,6 +315,9 @@ impl<'a> Target<'a> {
         for (x, b) in features(groups).zip(&coefficients) {
             add_column(&mut left, x, -b);
         }
+        // Where nothing was measured nothing is left.
+        let samples = left.iter_mut().zip(self.valid);
+        (samples.filter(|(_, valid)| !**valid)).for_each(|(left, _)| *left = 0.0);
         left
     }
 
@@ -325,13 +327,13 @@ impl<'a> Target<'a> {
     }
 
     /// Whitened residual less predictions fitted to the other folds.
-    fn errors(&self, groups: &[&Group], noise: &ChannelNoise) -> Vec<f64> {
+    fn errors(&self, groups: &[&Group], noise: &ChannelNoise, folds: &Folds) -> Vec<f64> {
         let target = noise.whiten(self.residual, self.rows);
         let columns = self.whitened(groups, noise);
-        let parts: Vec<Moments> = (0..self.folds)
+        let parts: Vec<Moments> = (0..folds.count)
             .map(|fold| {
                 let pick = |x: &[f64]| -> Vec<f64> {
-                    let kept = x.iter().zip(&self.fold).filter(|(_, f)| **f == fold);
+                    let kept = x.iter().zip(&folds.of_row).filter(|(_, f)| **f == fold);
                     kept.map(|(x, _)| *x).collect()
                 };
                 let picked: Vec<Vec<f64>> = columns.iter().map(|x| pick(x)).collect();
@@ -345,9 +347,9 @@ impl<'a> Target<'a> {
         let mut errors = target.clone();
         for (held_out, part) in parts.iter().enumerate() {
             let others = whole.minus(part);
-            let count = self.fold.iter().filter(|f| **f != held_out).count();
+            let count = folds.of_row.iter().filter(|f| **f != held_out).count();
             let coefficients = others.solve(&ridge(others.squares(), count));
-            for p in (0..self.rows.len()).filter(|p| self.fold[*p] == held_out) {
+            for p in (0..self.rows.len()).filter(|p| folds.of_row[*p] == held_out) {
                 let predicted: f64 = columns
                     .iter()
                     .zip(&coefficients)

@@ -113,7 +113,8 @@ pub(super) fn conclude(
     }
     held_out::tell(problem, &refuted, &mut diagnosis);
     test_part::open_test(problem, &base, &last, &bound.changes, &mut diagnosis);
-    let curve = unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)?;
+    let curve = unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)?
+        .filter(|shown| !changing::is_better(problem, &bound, &last, &shown.fit));
     let (last, changes) = match curve {
         None => (last, bound.changes),
         Some(shown) => {

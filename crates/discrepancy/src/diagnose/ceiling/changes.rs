@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use truecut_recording::significant;
 
 use super::Target;
+use super::onset::{Step, best_moment};
 use crate::diagnose::answer::target_name;
 use crate::diagnose::features::{Group, Onset};
-use crate::diagnose::noise::{Moments, dot, explained};
+use crate::diagnose::noise::{dot, explained};
 use crate::diagnose::signature::Signature;
 use crate::model::Columns;
 
@@ -29,6 +30,7 @@ impl Target<'_> {
         let left: Vec<f64> = self.rows.iter().map(|&t| self.residual[t]).collect();
         let whole = dot(&left, &left).max(f64::MIN_POSITIVE);
         let picked = |x: &Vec<f64>| -> Vec<f64> { self.rows.iter().map(|&t| x[t]).collect() };
+        let samples = self.samples();
         let found = signatures.par_iter().flat_map_iter(|signature| {
             let moments = signature.moments.iter().map(|one| &one.column[channel]);
             let traces: Vec<&Vec<f64>> = (signature.columns.iter().map(|one| &one[channel]))
@@ -39,7 +41,7 @@ impl Target<'_> {
             let courses = match traces.is_empty() {
                 true => [None, None],
                 false => [
-                    self.at_once(&law, &traces, &left),
+                    self.at_once(&law, &traces, &samples),
                     self.steadily(&law, &traces),
                 ],
             };
@@ -69,7 +71,46 @@ impl Target<'_> {
                 best.push(group);
             }
         }
-        best
+        let refined = best.into_par_iter();
+        refined.map(|group| self.refined(group, &samples)).collect()
+    }
+
+    /// A change at once, where its moment lies between samples, through the filter of the data.
+    fn refined(&self, group: Group, samples: &[usize]) -> Group {
+        let data = self.problem.data;
+        let (Some(fine), Some(onset)) = (&data.fine, group.changes) else {
+            return group;
+        };
+        let Some(from_s) = onset.from_s else {
+            return group;
+        };
+        let row = data.time_s.partition_point(|time_s| *time_s < from_s);
+        let step = Step::of(fine);
+        let left: Vec<f64> = samples.iter().map(|&t| self.residual[t]).collect();
+        let gain = |moment: usize| {
+            let picked = |x: Vec<f64>| samples.iter().map(|&t| x[t]).collect();
+            let columns: Vec<Vec<f64>> = parted(&group.traces, |t| step.passed(t, moment))
+                .map(picked)
+                .collect();
+            explained(&left, &columns)
+        };
+        let Some(moment) = step
+            .moments_about(row)
+            .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
+        else {
+            return group;
+        };
+        let interval_s = data.time_s[row] - data.time_s[row - 1];
+        let later = (moment as f64 - (row * fine.every) as f64) / fine.every as f64;
+        let from_s = data.time_s[row] + interval_s * later;
+        Group {
+            name: at_about(&group.law, from_s),
+            changes: Some(Onset {
+                from_s: Some(from_s),
+            }),
+            features: parted(&group.traces, |t| step.passed(t, moment)).collect(),
+            ..group
+        }
     }
 
     fn law(&self, signature: &Signature) -> String {
@@ -80,38 +121,37 @@ impl Target<'_> {
         }
     }
 
-    fn at_once(&self, law: &str, traces: &[&Vec<f64>], left: &[f64]) -> Option<Group> {
-        let picked: Vec<Vec<f64>> = (traces.iter())
-            .map(|trace| self.rows.iter().map(|&t| trace[t]).collect())
-            .collect();
-        let count = self.rows.len();
+    /// What is measured at the borders of blocks, too: nothing is fitted there, but it says when.
+    fn samples(&self) -> Vec<usize> {
+        let all = self.problem.split.blocks.iter().cloned().flatten();
+        all.filter(|&t| self.valid[t]).collect()
+    }
+
+    fn at_once(&self, law: &str, traces: &[&Vec<f64>], samples: &[usize]) -> Option<Group> {
+        let at = |x: &[f64]| -> Vec<f64> { samples.iter().map(|&t| x[t]).collect() };
+        let picked: Vec<Vec<f64>> = traces.iter().map(|trace| at(trace)).collect();
+        let left = at(self.residual);
+        let count = samples.len();
         let edge = |part: usize| count * part / PARTS;
         let coarse: Vec<usize> = (0..=PARTS).map(edge).collect();
         let inner = LEAST_PARTS..PARTS - LEAST_PARTS + 1;
-        let part = best_moment(&picked, left, &coarse, inner)?;
+        let part = best_moment(&picked, &left, &coarse, inner)?;
         let (from, to) = (coarse[part - 1], coarse[part + 1]);
         let mut fine = vec![0];
         fine.extend((0..=PARTS).map(|i| from + (to - from) * i / PARTS));
         fine.push(count);
         fine.dedup();
         let inner = 1..fine.len() - 1;
-        let row = self.rows[fine[best_moment(&picked, left, &fine, inner)?]];
+        let row = samples[fine[best_moment(&picked, &left, &fine, inner)?]];
         let from_s = self.problem.data.time_s[row];
-        let features = (traces.iter()).flat_map(|trace| {
-            [false, true].map(|is_late| {
-                let rows = trace.iter().enumerate();
-                rows.map(|(t, x)| if (t >= row) == is_late { *x } else { 0.0 })
-                    .collect()
-            })
-        });
-        let name = format!("{law}, which changes at about {} s", significant(from_s, 3));
+        let features = parted(traces, |t| if t >= row { 1.0 } else { 0.0 });
         Some(Group {
             chosen: 1,
             law: law.to_owned(),
             changes: Some(Onset {
                 from_s: Some(from_s),
             }),
-            ..Group::of_time(name, features.collect())
+            ..Group::of_time(at_about(law, from_s), features.collect())
         })
     }
 
@@ -136,6 +176,24 @@ impl Target<'_> {
     }
 }
 
+fn at_about(law: &str, from_s: f64) -> String {
+    format!("{law}, which changes at about {} s", significant(from_s, 3))
+}
+
+/// Of each trace what is before a moment and what is after it, `passed` the part of a sample that is.
+fn parted<'a, T: AsRef<[f64]>>(
+    traces: &'a [T],
+    passed: impl Fn(usize) -> f64 + Copy + 'a,
+) -> impl Iterator<Item = Vec<f64>> + 'a {
+    traces.iter().flat_map(move |trace| {
+        [false, true].map(|is_late| {
+            let part = |t| if is_late { passed(t) } else { 1.0 - passed(t) };
+            let rows = trace.as_ref().iter().enumerate();
+            rows.map(|(t, x)| part(t) * x).collect()
+        })
+    })
+}
+
 /// The channels in which a signature is anything.
 fn reached(signature: &Signature) -> Vec<usize> {
     let moments = signature.moments.iter().map(|one| &one.column);
@@ -147,67 +205,4 @@ fn reached(signature: &Signature) -> Vec<usize> {
                 .any(|columns| columns[c].iter().any(|x| *x != 0.0))
         })
         .collect()
-}
-
-/// The edge, of the `inner` ones, at which a change of all sizes explains most: columns fitted
-/// before and after it. None where no change explains anything.
-fn best_moment(
-    columns: &[Vec<f64>],
-    target: &[f64],
-    edges: &[usize],
-    inner: std::ops::Range<usize>,
-) -> Option<usize> {
-    let parts: Vec<Moments> = (edges.windows(2))
-        .map(|pair| {
-            let own: Vec<Vec<f64>> = (columns.iter())
-                .map(|column| column[pair[0]..pair[1]].to_vec())
-                .collect();
-            Moments::new(&target[pair[0]..pair[1]], &own)
-        })
-        .collect();
-    let mut whole = parts.first()?.clone();
-    for part in &parts[1..] {
-        whole = whole.plus(part);
-    }
-    let mut before = parts[0].clone();
-    let mut best: Option<(f64, usize)> = None;
-    for edge in 1..edges.len() - 1 {
-        if inner.contains(&edge) {
-            let gain = before.explained() + whole.minus(&before).explained();
-            if best.is_none_or(|(most, _)| gain > most) {
-                best = Some((gain, edge));
-            }
-        }
-        before = before.plus(&parts[edge]);
-    }
-    best.map(|(_, edge)| edge)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::{Colour, noise};
-
-    /// A dry friction that sets in at a moment drawn from a seed, beside noise with a memory: the
-    /// moment is found to a hundredth of the record.
-    #[test]
-    fn verify_the_moment_of_a_change_is_found() {
-        for seed in 0..40 {
-            let count = 1200;
-            let moment = 150 + 22 * seed as usize;
-            let sign = |t: usize| (0.05 * t as f64 + 0.3 * seed as f64).sin().signum();
-            let drawn = noise(Colour::Ar1(0.8), count, seed);
-            let target: Vec<f64> = (0..count)
-                .map(|t| drawn[t] + if t >= moment { 8.0 * sign(t) } else { 0.0 })
-                .collect();
-            let column: Vec<f64> = (0..count).map(sign).collect();
-            let edges: Vec<usize> = (0..=100).map(|part| 12 * part).collect();
-            let found = best_moment(&[column], &target, &edges, 1..100).unwrap();
-            assert!(
-                edges[found].abs_diff(moment) <= 12,
-                "seed {seed}: {} for {moment}",
-                edges[found]
-            );
-        }
-    }
 }

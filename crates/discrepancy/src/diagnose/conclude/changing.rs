@@ -39,6 +39,18 @@ pub(super) fn part(problem: &Problem, before: &Columns, last: &Fit, bound: &Boun
         .fold(0.0, f64::max)
 }
 
+/// Whether what changes over time leaves less than a curve does where both are: no law of a place or
+/// a speed is told for it.
+pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve: &Fit) -> bool {
+    let rows = &problem.split.development;
+    let left = rms(&bound.left, rows);
+    let [without, with] = [last, with_curve].map(|fit| rms(&fit.residual, rows));
+    let specs = problem.model.channels().iter().enumerate();
+    let mut changed =
+        specs.filter(|(_, spec)| bound.changes.iter().any(|one| one.channel == spec.name));
+    changed.any(|(c, _)| left[c] < with[c] && with[c] != without[c])
+}
+
 /// The finding, before whatever else the reason says.
 pub(super) fn tell(changes: Vec<Change>, diagnosis: &mut Diagnosis) {
     diagnosis.changes = changes;
