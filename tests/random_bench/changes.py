@@ -140,6 +140,9 @@ def one(seed: int, form: str, folder: Path, programs: list[str]) -> list[dict]:
                 "causes": [f"{c['kind']} {c['target']}" for c in found["causes"]],
                 "changes": [(c["channel"], c["from_s"], c["what"]) for c in found.get("changes", [])],
                 "floors": sorted({c["noise_source"] for c in found["channels"].values()}),
+                "followed": [
+                    (one["channel"], one["signal"], one["fraction"]) for one in found["ceiling"]["correlated_signals"]
+                ],
                 "reason": found["reason"],
                 "left": {name: c["after"] / max(c["refitted"], 1e-300) for name, c in found["channels"].items()},
             }
