@@ -296,6 +296,10 @@ impl Model for KeptModel<'_> {
         })
     }
 
+    fn may_be(&self, effects: &[Effect]) -> bool {
+        self.model.may_be(effects)
+    }
+
     fn is_steady(&self) -> bool {
         self.model.is_steady()
     }
