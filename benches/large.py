@@ -10,6 +10,7 @@ import argparse
 import math
 import os
 import pathlib
+import shutil
 import struct
 import subprocess
 import tempfile
@@ -85,7 +86,7 @@ def measured(program, call, count):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--program", default=str(ROOT / "target/release/truecut"))
+    parser.add_argument("--program", default=shutil.which("truecut") or ROOT / "target/release/truecut")
     parser.add_argument("--short", action="store_true", help="a hundredth of each")
     parser.add_argument("--only", choices=SIZES, action="append")
     asked = parser.parse_args()

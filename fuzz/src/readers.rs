@@ -174,7 +174,13 @@ pub const READERS: &[Reader] = &[
         name: "cam",
         seeds: cam_files,
         read: |case| said(cam::read(&case.text(), case.path, &CamOptions::default())),
-        commands: &[&["path", "CASE", "--robot", "ROBOT"]],
+        commands: &[&[
+            "path",
+            "CASE",
+            "--robot",
+            "ROBOT",
+            "--work-xyz-mm=900,0,600",
+        ]],
     },
     Reader {
         name: "program",
