@@ -35,8 +35,8 @@ pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
     /// Most memory that may be used, such as 2G: files whose contents would take more, and runs
-    /// whose rows would, are refused beforehand [default: the limits of the control group and of the
-    /// process, if any]
+    /// whose rows would, are refused beforehand [default: the limits of the control group and of
+    /// the process, if any]
     #[arg(long, global = true, value_name = "BYTES", value_parser = number::bytes)]
     pub max_memory: Option<u64>,
 }

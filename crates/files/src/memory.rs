@@ -11,7 +11,7 @@ const READING_TAKES: u64 = 8;
 static LIMIT: AtomicU64 = AtomicU64::new(0);
 
 /// Lets the process use no more than that, bytes: larger files are refused before they are read,
-/// larger runs before they begin. Without it the limit is the smallest of those of the control group
+/// larger runs before they begin. Without it the limit is the least of those of the control group
 /// and of the process (`ulimit -v`, `ulimit -d`), if there are any.
 pub fn limit_memory(bytes: u64) {
     LIMIT.store(bytes.max(1), Ordering::Relaxed);

@@ -149,8 +149,9 @@ impl Program {
             Motion::Linear { speed_m_per_s } => (speed_m_per_s, FASTEST_M_PER_S, "speed in m/s"),
         };
         if !(speed >= SLOWEST && speed <= top) {
-            let rule =
-                format!("above zero and at least {SLOWEST:e}, at most {top}: no arm is faster");
+            let rule = format!(
+                "above zero and finite, at least {SLOWEST:e}, at most {top}: no arm is faster"
+            );
             return Err(ProgramErrorKind::at_point(path_point, what, speed, &rule).into());
         }
         if let Zone::Within(zone_m) = step.zone
