@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 use truecut_arm::{FrameId, Robot, ToolLoad};
 
-use super::error::{FASTEST_M_PER_S, ProgramError, ProgramErrorKind, SLOWEST};
+use super::error::{FASTEST_M_PER_S, ProgramError, ProgramErrorKind};
 
 /// Pose and posture of a move belong together if the posture puts the tool within this of the pose,
 /// m and rad.
@@ -148,10 +148,8 @@ impl Program {
             Motion::Joint { share } => (share, 1.0, "share of the top speed"),
             Motion::Linear { speed_m_per_s } => (speed_m_per_s, FASTEST_M_PER_S, "speed in m/s"),
         };
-        if !(speed >= SLOWEST && speed <= top) {
-            let rule = format!(
-                "above zero and finite, at least {SLOWEST:e}, at most {top}: no arm is faster"
-            );
+        if !(speed > 0.0 && speed <= top) {
+            let rule = format!("above zero and finite, at most {top}: no arm is faster");
             return Err(ProgramErrorKind::at_point(path_point, what, speed, &rule).into());
         }
         if let Zone::Within(zone_m) = step.zone
