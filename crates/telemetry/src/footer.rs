@@ -1,7 +1,7 @@
 //! What a Parquet file states about itself, looked at before memory is asked for.
 //!
-//! The table of contents at the end of the file is written in Thrift's compact protocol. The library
-//! asks memory for as many entries as a list states before it looks whether they are there.
+//! The table of contents at the end of the file is written in Thrift's compact protocol. The
+//! library asks memory for as many entries as a list states before it looks whether they are there.
 
 use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom};
 
