@@ -285,6 +285,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         &["the feed F is 99999999999", "at most 10000 mm/s"],
     ),
     (
+        "endless.nc",
+        3,
+        &["the feed F is 0.000001", "at least 0.001 mm/s"],
+    ),
+    (
         "home_without_rapid.apt",
         6,
         &["a move with feed", "RAPID before", "GOHOME in line 5"],

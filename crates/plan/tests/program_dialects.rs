@@ -167,6 +167,16 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         &["the speed v is -0.1", "above zero"],
     ),
     ("not_a_number.script", 2, &["0x4", "finite number"]),
+    (
+        "nested_lists.script",
+        2,
+        &["the depth of calls and lists is 9", "at most 8"],
+    ),
+    (
+        "endless.script",
+        2,
+        &["the speed in m/s is 1e-320", "at least 1e-6"],
+    ),
     ("call.LS", 6, &["`CALL ../OTHER`", "UFRAME_NUM"]),
     ("missing_position.LS", 6, &["no P[2] to move to"]),
     ("timed.LS", 6, &["`2sec`", "mm/sec"]),
@@ -183,6 +193,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         &["SKIP CONDITION", "an instruction that moves nothing"],
     ),
     ("level.LS", 5, &["CNT is 101", "0 to 100"]),
+    (
+        "endless.MOD",
+        10,
+        &["the share of the top speed is", "at least 1e-6"],
+    ),
     ("if.MOD", 11, &["`IF`", "MoveJ, MoveL"]),
     (
         "far_circle.script",

@@ -8,6 +8,8 @@ use bytes::Bytes;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::reader::{ChunkReader, Length};
 
+use crate::footer;
+
 /// A file and its length. Of a plain file the library asks memory for as many bytes as the file's
 /// own table of contents says, before it looks whether they are there.
 pub(crate) struct Bounded {
@@ -17,8 +19,9 @@ pub(crate) struct Bounded {
 
 impl Bounded {
     pub(crate) fn open(path: &Path) -> std::io::Result<Bounded> {
-        let file = truecut_files::open(path)?;
+        let mut file = truecut_files::open(path)?;
         let length = file.metadata()?.len();
+        footer::check(&mut file, length)?;
         Ok(Bounded { file, length })
     }
 }

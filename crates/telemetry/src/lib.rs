@@ -65,6 +65,7 @@ pub mod contract;
 mod decimate;
 mod display;
 mod error;
+mod footer;
 mod frames;
 mod ipc;
 mod log;

@@ -259,8 +259,8 @@ fn write(
     planned: &Planned<'_>,
 ) -> Result<Vec<PathBuf>, Failure> {
     let (robot, read, program) = (planned.robot, planned.read, planned.program);
-    let stem = arguments.file.file_stem().unwrap_or_default();
-    let folder = arguments.out.join(stem);
+    let stem = truecut_files::folder_name(&arguments.file, "path");
+    let folder = arguments.out.join(&stem);
     // First what can be refused.
     let files = dialect
         .write(program, robot, settings)
