@@ -104,7 +104,7 @@ impl PathMillingSpec {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PathMillingTable {
-    /// Spindle speed. Default: what the path from CAM says (S, SPINDL), changes on the way included.
+    /// Spindle speed. Default: what the path from CAM says (S, SPINDL), with its changes.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the spindle turns"))]
     spindle_rpm: Option<f64>,
     /// Angle of the first tooth at the start, from the work frame's y towards its x. Default: 0.

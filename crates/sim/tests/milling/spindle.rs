@@ -109,8 +109,8 @@ fn verify_speeds_of_a_file_come_on_where_it_says_and_take_their_torque() {
     }
 }
 
-/// A speed that the scenario gives counts all along: the run is the same to the bit as one of a file
-/// that gives that speed alone.
+/// A speed that the scenario gives counts all along: the run is the same to the bit as one of a
+/// file that gives that speed alone.
 #[test]
 fn a_speed_of_the_scenario_counts_all_along() {
     let folder = tempdir().unwrap();
