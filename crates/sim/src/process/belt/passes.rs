@@ -109,7 +109,9 @@ impl Passes {
                 normal: section.normal,
                 half_width_m: (wheel.radius_m * depth_m).sqrt(),
             };
-            passes.last_mut().map(|pass| pass.push(touch));
+            if let Some(pass) = passes.last_mut() {
+                pass.push(touch);
+            }
         }
         let Some(first) = passes.iter().flatten().next() else {
             return Err(NoPasses::Above(least_m));
