@@ -73,7 +73,7 @@ pub use error::{
 };
 pub use inspect::{Finding, FindingKind};
 pub use moves::{Motion, Move, PathPoint, Program, SpindleSwitch, Tool, Zone};
-pub use replay::{Replay, ReplayOptions, ReplayRow};
+pub use replay::{MOST_PLACES, Replay, ReplayOptions, ReplayRow};
 pub use setup::ProgramSetup;
 pub use start::{Start, along_lines};
 pub use travel::{TravelOptions, shortest_travel};
