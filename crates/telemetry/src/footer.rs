@@ -5,11 +5,11 @@
 
 use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom};
 
+use crate::thrift::Contents;
+
 /// Behind the table of contents: its length and the format's mark.
 const END: u64 = 8;
 const MARK: &[u8] = b"PAR1";
-/// The format's own structures are nested less deeply.
-const MOST_NESTED: usize = 32;
 
 /// Refuses a table of contents that states more entries, or longer ones, than it holds. What is no
 /// Parquet file is left to the library.
@@ -30,116 +30,12 @@ pub(crate) fn check(file: &mut (impl Read + Seek), length: u64) -> Result<()> {
     file.seek(SeekFrom::Start(start))?;
     let mut bytes = Vec::new();
     file.take(stated).read_to_end(&mut bytes)?;
-    let mut contents = Contents {
-        bytes: &bytes,
-        at: 0,
-    };
+    let mut contents = Contents::new(&bytes);
     contents.structure(0).ok_or_else(|| {
         let at = start + contents.at as u64;
         let text = format!("its table of contents is damaged at byte {at}");
         Error::new(ErrorKind::InvalidData, text)
     })
-}
-
-struct Contents<'a> {
-    bytes: &'a [u8],
-    at: usize,
-}
-
-impl Contents<'_> {
-    fn byte(&mut self) -> Option<u8> {
-        let byte = *self.bytes.get(self.at)?;
-        self.at += 1;
-        Some(byte)
-    }
-
-    fn number(&mut self) -> Option<u64> {
-        let mut number = 0;
-        for shift in (0..64).step_by(7) {
-            let byte = self.byte()?;
-            number |= u64::from(byte & 0x7f) << shift;
-            if byte & 0x80 == 0 {
-                return Some(number);
-            }
-        }
-        None
-    }
-
-    fn skip(&mut self, count: u64) -> Option<()> {
-        let end = (self.at as u64).checked_add(count)?;
-        if end > self.bytes.len() as u64 {
-            return None;
-        }
-        self.at = usize::try_from(end).ok()?;
-        Some(())
-    }
-
-    fn structure(&mut self, depth: usize) -> Option<()> {
-        loop {
-            let head = self.byte()?;
-            match head & 0x0f {
-                0 => return Some(()),
-                // The value of a truth stands in its kind.
-                1 | 2 if head >> 4 != 0 => {}
-                kind => {
-                    if head >> 4 == 0 {
-                        self.number()?;
-                    }
-                    if kind > 2 {
-                        self.value(kind, depth + 1)?;
-                    }
-                }
-            }
-        }
-    }
-
-    fn value(&mut self, kind: u8, depth: usize) -> Option<()> {
-        if depth > MOST_NESTED {
-            return None;
-        }
-        match kind {
-            1..=3 => self.skip(1),
-            4..=6 => self.number().map(|_| ()),
-            7 => self.skip(8),
-            8 => {
-                let length = self.number()?;
-                self.skip(length)
-            }
-            9 | 10 => self.list(depth),
-            11 => self.map(depth),
-            12 => self.structure(depth),
-            13 => self.skip(16),
-            _ => None,
-        }
-    }
-
-    fn list(&mut self, depth: usize) -> Option<()> {
-        let head = self.byte()?;
-        let count = match head >> 4 {
-            15 => self.number()?,
-            few => u64::from(few),
-        };
-        self.all(count, &[head & 0x0f], depth)
-    }
-
-    fn map(&mut self, depth: usize) -> Option<()> {
-        let count = self.number()?;
-        if count == 0 {
-            return Some(());
-        }
-        let kinds = self.byte()?;
-        self.all(count, &[kinds >> 4, kinds & 0x0f], depth)
-    }
-
-    /// Each value takes a byte at least.
-    fn all(&mut self, count: u64, kinds: &[u8], depth: usize) -> Option<()> {
-        for _ in 0..count {
-            for kind in kinds {
-                self.value(*kind, depth + 1)?;
-            }
-        }
-        Some(())
-    }
 }
 
 #[cfg(test)]
