@@ -44,6 +44,8 @@ metric = "peak"
 channel = "tool.displacement_x"
 unit = "um"
 """.format(values=", ".join(str(10 * n) for n in range(1, 200)))
+# What releases the tool in RUN, and what the slide's drive gives.
+FORCE_N, LIMIT_N = 100, 20_000
 # Files of a run that has ended.
 WHOLE = ("recording.parquet", "recording.rrd", "summary.json")
 
@@ -88,6 +90,12 @@ def whole_run(desk, folder):
     return f"also {left}" if left else ""
 
 
+def force_of(folder):
+    """By how many newtons the force of the summary's run is above FORCE_N, from the drive's use."""
+    use = json.loads((folder / "summary.json").read_text())["metrics"]["plant.torque_use_max"]
+    return round(use * LIMIT_N) - FORCE_N
+
+
 def writers(desk, draw, trials):
     """Each folder is of one run, and those that lost say so."""
     count, wrong, refused = (2, 4, 8), [], 0
@@ -96,8 +104,9 @@ def writers(desk, draw, trials):
         out = f"out{trial}"
         durations = [round(0.3 + 0.1 * k, 1) for k in range(many)]
         children = []
-        for duration in durations:
-            children.append(desk.begin("run", "short.toml", "--out", out, "--set", f"run.duration_s={duration}"))
+        for k, duration in enumerate(durations):
+            changes = ("--set", f"run.duration_s={duration}", "--set", f"process.load.release_n.0={FORCE_N + k}")
+            children.append(desk.begin("run", "short.toml", "--out", out, *changes))
             time.sleep(draw.random() * 0.02)
         ends = [(child.communicate()[0], child.returncode) for child in children]
         lost = [told for told, code in ends if code == 2]
@@ -109,8 +118,13 @@ def writers(desk, draw, trials):
         folder = desk.folder / out / "short"
         fault = whole_run(desk, folder)
         told = desk.call("view", str(folder / "recording.parquet"))[1]
-        text = [d for d, (_, code) in zip(durations, ends) if code == 0 and f"{d}" in told]
-        if fault or not text:
+        # The recording tells its rows, the summary what the force took of the drive: of one run.
+        won = [
+            k
+            for k, (d, (_, code)) in enumerate(zip(durations, ends))
+            if code == 0 and f" {round(1000 * d) + 1} rows" in told and (fault or force_of(folder) == k)
+        ]
+        if fault or not won:
             wrong.append(f"{trial}: {fault or 'of no run that succeeded'}")
         shutil.rmtree(desk.folder / out)
     return wrong, f"{refused} calls refused by name"

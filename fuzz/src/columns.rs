@@ -1,4 +1,4 @@
-//! Tables in Arrow's and Parquet's formats, as other programs compress them.
+//! Tables in Arrow's and Parquet's formats, as the program and as others write them.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,8 +9,10 @@ use arrow::ipc::writer::{FileWriter, IpcWriteOptions, StreamWriter};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::properties::WriterProperties;
+use tempfile::TempDir;
+use truecut::{Run, Scenario};
 
-use crate::seeds::Seed;
+use crate::seeds::{Seed, root};
 
 const ROWS: i16 = 300;
 
@@ -33,6 +35,31 @@ pub(crate) fn columns() -> Vec<Seed> {
         bytes,
     })
     .collect()
+}
+
+/// Recordings of a short run, as the program writes them.
+pub(crate) fn recordings() -> Vec<Seed> {
+    let folder = TempDir::new().expect("a folder");
+    let text = "name = \"fuzz\"\n\n[robot]\nurdf = \"assets/robots/rig_planar/robot.urdf\"\ngravity = false\n\n\
+                [run]\nduration_s = 0.2\n\n[process.load]\nrelease_n = [100, 0, 0]\n";
+    let scenario = Scenario::from_str(&root().join("fuzz.toml"), text, &[]).expect("a scenario");
+    let outputs = truecut::Outputs::prepare(folder.path(), &scenario, false).expect("a folder");
+    let mut run = Run::of(&scenario);
+    run.sinks = outputs.sinks();
+    let finished = run.execute().expect("a run");
+    let recording = finished.recording;
+    let arrows = outputs.path("recording.arrows");
+    let arrows = Seed {
+        bytes: std::fs::read(&arrows).expect("a stream"),
+        path: arrows,
+    };
+    outputs.finish(&recording, &finished.claims).expect("files");
+    let parquet = outputs.recording();
+    let parquet = Seed {
+        bytes: std::fs::read(&parquet).expect("a file"),
+        path: parquet,
+    };
+    vec![parquet, arrows]
 }
 
 fn batch() -> RecordBatch {

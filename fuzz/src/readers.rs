@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use nalgebra::Isometry3;
-use tempfile::TempDir;
 use truecut::{Run, Scenario};
 use truecut_arm::{MeshData, Robot, expanded_urdf};
 use truecut_plan::cam::{self, CamOptions};
@@ -14,7 +13,8 @@ use truecut_plan::surface::{Mesh, MeshUse, PatchFile};
 use truecut_scenario::{CellFile, Identification, PathJob};
 use truecut_telemetry::{read_recording, read_table, read_tables};
 
-use crate::columns::columns;
+use crate::beside;
+use crate::columns::{columns, recordings};
 use crate::seeds::{Seed, root, seeds};
 
 /// Steps that a scenario is run for.
@@ -32,12 +32,12 @@ pub struct Case<'a> {
 
 impl Case<'_> {
     /// As text; what is none is for [`Case::written`] to read.
-    fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         String::from_utf8_lossy(self.bytes).into_owned()
     }
 
     /// As a file of its own.
-    fn written(&self) -> std::path::PathBuf {
+    pub(crate) fn written(&self) -> std::path::PathBuf {
         let name = self.path.file_name().expect("a file");
         let path = self.folder.join(name);
         std::fs::write(&path, self.bytes).expect("a file of the case");
@@ -52,7 +52,8 @@ pub struct Reader {
     pub seeds: fn() -> Vec<Seed>,
     /// Reads a case: whether it was accepted, else what was said of it.
     pub read: fn(&Case) -> Result<(), String>,
-    /// Arguments of the program that read a case; `CASE` stands for its file, `ROBOT` for an arm.
+    /// Arguments of the program that read a case; `CASE` stands for its file, also within
+    /// a word, `ROBOT` for an arm.
     pub commands: &'static [&'static [&'static str]],
 }
 
@@ -86,7 +87,15 @@ pub const READERS: &[Reader] = &[
             let at_flange = nalgebra::Isometry3::identity();
             said(CellFile::from_str(case.path, &case.text(), &at_flange))
         },
-        commands: &[&["path", "x.nc", "--robot", "ROBOT", "--cell", "CASE"]],
+        commands: &[&[
+            "path",
+            "scenarios/arm/contour.nc",
+            "--robot",
+            "ROBOT",
+            "--work-xyz-mm=900,0,600",
+            "--cell",
+            "CASE",
+        ]],
     },
     Reader {
         name: "identification",
@@ -153,7 +162,7 @@ pub const READERS: &[Reader] = &[
         name: "columns",
         seeds: || recordings().into_iter().chain(columns()).collect(),
         read: |case| said(read_table(&case.written(), true)),
-        commands: &[],
+        commands: &[&["data", "CASE"]],
     },
     Reader {
         name: "recording",
@@ -165,13 +174,56 @@ pub const READERS: &[Reader] = &[
         name: "cam",
         seeds: cam_files,
         read: |case| said(cam::read(&case.text(), case.path, &CamOptions::default())),
-        commands: &[],
+        commands: &[&[
+            "path",
+            "CASE",
+            "--robot",
+            "ROBOT",
+            "--work-xyz-mm=900,0,600",
+        ]],
     },
     Reader {
         name: "program",
         seeds: programs,
         read: program,
         commands: &[&["program", "CASE", "--robot", "ROBOT"]],
+    },
+    Reader {
+        name: "material",
+        seeds: beside::materials,
+        read: beside::material,
+        commands: &[&[
+            "run",
+            "scenarios/milling/own_surface.toml",
+            "--set",
+            "process.milling.material.file='CASE'",
+            "--set",
+            "run.duration_s=0.01",
+        ]],
+    },
+    Reader {
+        name: "taught",
+        seeds: beside::taught_points,
+        read: beside::taught,
+        commands: &[&["robot", "ROBOT", "--fk", "CASE"]],
+    },
+    Reader {
+        name: "yaml",
+        seeds: beside::yamls,
+        read: beside::yaml,
+        commands: &[],
+    },
+    Reader {
+        name: "sweep_rows",
+        seeds: beside::sweep_rows,
+        read: beside::sweep_goes_on,
+        commands: &[],
+    },
+    Reader {
+        name: "predictions",
+        seeds: beside::predictions,
+        read: beside::search_goes_on,
+        commands: &[],
     },
 ];
 
@@ -181,7 +233,7 @@ pub fn reader(name: &str) -> Option<&'static Reader> {
     READERS.iter().find(|reader| reader.name == name)
 }
 
-fn said<T, E: ToString>(read: Result<T, E>) -> Result<(), String> {
+pub(crate) fn said<T, E: ToString>(read: Result<T, E>) -> Result<(), String> {
     read.map(|_| ()).map_err(|error| error.to_string())
 }
 
@@ -264,31 +316,6 @@ fn programs() -> Vec<Seed> {
         &["JBI", "MOD", "src", "script", "LS"],
         |path, _| dialect_of(path).is_some(),
     )
-}
-
-/// Recordings of a short run, as the program writes them.
-fn recordings() -> Vec<Seed> {
-    let folder = TempDir::new().expect("a folder");
-    let text = "name = \"fuzz\"\n\n[robot]\nurdf = \"assets/robots/rig_planar/robot.urdf\"\ngravity = false\n\n\
-                [run]\nduration_s = 0.2\n\n[process.load]\nrelease_n = [100, 0, 0]\n";
-    let scenario = Scenario::from_str(&root().join("fuzz.toml"), text, &[]).expect("a scenario");
-    let outputs = truecut::Outputs::prepare(folder.path(), &scenario, false).expect("a folder");
-    let mut run = Run::of(&scenario);
-    run.sinks = outputs.sinks();
-    let finished = run.execute().expect("a run");
-    let recording = finished.recording;
-    let arrows = outputs.path("recording.arrows");
-    let arrows = Seed {
-        bytes: std::fs::read(&arrows).expect("a stream"),
-        path: arrows,
-    };
-    outputs.finish(&recording, &finished.claims).expect("files");
-    let parquet = outputs.recording();
-    let parquet = Seed {
-        bytes: std::fs::read(&parquet).expect("a file"),
-        path: parquet,
-    };
-    vec![parquet, arrows]
 }
 
 fn scenario(case: &Case) -> Result<(), String> {

@@ -60,4 +60,9 @@ readers! {
     recording: 1000,
     cam: 2000,
     program: 1000,
+    material: 500,
+    taught: 1000,
+    yaml: 1000,
+    sweep_rows: 300,
+    predictions: 1000,
 }

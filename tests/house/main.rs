@@ -295,3 +295,28 @@ fn comments_are_no_wider_than_the_page() {
     }
     assert_eq!(wide, [""; 0]);
 }
+
+/// A method with a body of its own that a wrapper does not pass on is another model's answer.
+#[test]
+fn a_model_that_keeps_predictions_passes_everything_on() {
+    let sources: BTreeMap<String, String> = sources().into_iter().collect();
+    let methods = |file: &str, begin: &str| -> BTreeSet<String> {
+        let text = &sources[file];
+        let begins = text.find(begin).unwrap_or_else(|| panic!("{begin}"));
+        let block = &text[begins..];
+        let block = &block[..block.find("\n}\n").expect("its end")];
+        let lines = block
+            .lines()
+            .filter_map(|line| line.strip_prefix("    fn "));
+        lines
+            .map(|line| line.split(['(', '<']).next().unwrap_or_default().to_owned())
+            .collect()
+    };
+    let asked = methods("crates/discrepancy/src/model.rs", "pub trait Model");
+    let passed = methods(
+        "crates/truecut/src/predictions.rs",
+        "impl Model for KeptModel",
+    );
+    assert!(asked.len() > 10, "{asked:?}");
+    assert_eq!(passed, asked);
+}

@@ -17,7 +17,7 @@ const PLAY_RAD: f64 = 1.2e-3;
 const WORN_RAD: f64 = 1.5e-3;
 
 /// The example, copied to a desk.
-fn desk() -> Desk {
+pub(super) fn desk() -> Desk {
     let desk = Desk::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../..")

@@ -12,6 +12,7 @@ mod identify;
 mod kept;
 mod maps;
 mod path;
+mod same;
 mod signals;
 mod stability;
 mod verdicts;
@@ -332,8 +333,25 @@ fn two_scenarios_do_not_write_into_one_folder() {
     std::fs::create_dir(desk.path("b")).unwrap();
     desk.scenario("swing", "duration_s = 0.1", "");
     desk.scenario("b/swing", "duration_s = 0.1", "");
+    desk.scenario("b/SWING", "duration_s = 0.1", "");
     desk.ends(BAD_INPUT, &["run", "swing.toml", "b/swing.toml"]);
+    desk.ends(BAD_INPUT, &["run", "swing.toml", "b/SWING.toml"]);
     assert!(!desk.path("out").exists());
+}
+
+/// A file's name that would lead out of the folder, or that no folder can have.
+#[test]
+fn what_a_file_is_called_does_not_lead_out_of_the_folder() {
+    let desk = Desk::new();
+    desk.scenario("swing", "duration_s = 0.01", "");
+    for (name, folder) in [("..", "scenario"), ("a\tb", "a_b"), ("con", "con_")] {
+        let file = format!("{name}.toml");
+        std::fs::copy(desk.path("swing.toml"), desk.path(&file)).unwrap();
+        desk.ends(0, &["run", &file, "--no-rrd", "--out", "out"]);
+        assert!(desk.path("out").join(folder).join("summary.json").is_file());
+    }
+    assert!(!desk.path("summary.json").exists());
+    assert_eq!(std::fs::read_dir(desk.path("out")).unwrap().count(), 3);
 }
 
 #[test]

@@ -172,7 +172,7 @@ fn a_module_with_taught_points_is_read_back() {
 fn what_the_path_says_changes_the_program() {
     let desk = Desk::new();
     let coarse = ("step_mm = 2", "step_mm = 10");
-    let free = ("tool_number = 1", "tool_number = 1\nlargest_step_deg = 90");
+    let free = ("tool_number = 1", "tool_number = 1\nlargest_step_deg = 40");
     let wide = ("edge_gap_limit_mm = 1.0", "edge_gap_limit_mm = 3.0");
     let csv = |name: &str, change: (&str, &str)| {
         let file = job(&desk, name, &[coarse, free, wide, change]);

@@ -39,6 +39,12 @@ pub struct OpwGeometry {
     pub c3_m: f64,
     pub offset_rad: [f64; 6],
     pub sign: [f64; 6],
+    /// Whether axis 1 points down, against the z axis of its joint's frame: the model then stands
+    /// on its head.
+    upside_down: bool,
+    /// Whether the model counts axis 5 the other way round than an arm whose axes 4 and 6 point
+    /// ahead and whose axes 2 and 5 point to the left.
+    wrist_reversed: bool,
     /// World from the frame on axis 1 at the height of axis 2.
     pub world_from_shoulder: Isometry3<f64>,
     /// Last link from the model's wrist frame.
@@ -83,9 +89,10 @@ pub enum Elbow {
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Wrist {
-    /// The fifth joint's angle is positive, counted as that of the ortho-parallel model.
+    /// With the forearm level and not turned about itself the tool is bent down: the fifth joint's
+    /// angle is positive as the ortho-parallel model counts it.
     Positive,
-    /// It is negative.
+    /// It is bent up.
     Negative,
 }
 
@@ -124,11 +131,12 @@ impl OpwGeometry {
                 direction: pose.rotation * joint.axis.into_inner(),
             })
             .collect();
-        let geometry = Self::from_axes(&axes, &links[5])?;
+        let upside_down = joints[0].axis.z < -0.5;
+        let geometry = Self::from_axes(&axes, &links[5], upside_down)?;
         geometry.agrees(robot).then_some(geometry)
     }
 
-    fn from_axes(axes: &[OpwAxis], last_link: &Isometry3<f64>) -> Option<Self> {
+    fn from_axes(axes: &[OpwAxis], last_link: &Isometry3<f64>, upside_down: bool) -> Option<Self> {
         let wrist = wrist_centre(axes)?;
         let d = |i: usize| axes[i - 1].direction;
         // Shoulder frame: z along axis 1, y along axis 2 or against it, so that axis 2 stands in
@@ -151,6 +159,7 @@ impl OpwGeometry {
         let x3 = y.cross(&z3);
         let fore_rad = z3.dot(&x).atan2(z3.dot(&z));
         let roll_rad = (-d(5).dot(&x3)).atan2(d(5).dot(&y));
+        let [fifth_back, sixth_back] = [d(5).dot(&y), d(6).dot(&z3)].map(|along| along < -0.5);
         let bend_rad = d(6).dot(&d(5).cross(&z3)).atan2(d(6).dot(&z3));
         let zero = [
             0.0,
@@ -176,6 +185,8 @@ impl OpwGeometry {
                 1.0,
                 1.0,
             ],
+            upside_down,
+            wrist_reversed: fifth_back ^ sixth_back ^ upside_down,
             world_from_shoulder: isometry(&origin, &axes_of_shoulder),
             wrist_from_last_link: Isometry3::identity(),
         };
@@ -239,11 +250,11 @@ impl OpwGeometry {
                 true => Shoulder::Rear,
                 false => Shoulder::Front,
             },
-            elbow: match (theta[2] + psi).sin() < 0.0 {
+            elbow: match ((theta[2] + psi).sin() < 0.0) ^ self.upside_down {
                 true => Elbow::Lower,
                 false => Elbow::Upper,
             },
-            wrist: match theta[4].sin() < 0.0 {
+            wrist: match (theta[4].sin() < 0.0) ^ self.wrist_reversed {
                 true => Wrist::Negative,
                 false => Wrist::Positive,
             },

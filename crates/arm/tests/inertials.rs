@@ -170,5 +170,10 @@ fn a_point_mass_is_believed() {
     let [along, across] = bars[0].inertia_kg_m2();
     let own = format!("ixx=\"{along}\" iyy=\"{across}\" izz=\"{across}\"");
     let text = urdf(&bars, SI).replacen(&own, "ixx=\"0\" iyy=\"0\" izz=\"0\"", 1);
-    read(&text, None).unwrap();
+    assert_ne!(text, urdf(&bars, SI));
+    let notes = read(&text, None).unwrap().chain.notes;
+    assert!(
+        !notes.iter().any(|note| note.contains("gyration")),
+        "{notes:?}"
+    );
 }

@@ -27,14 +27,16 @@ pub use stability::{LobesArguments, PostureArguments};
 ///
 /// Exit codes: 0 good, 1 a claim failed or a robot program cannot be run as written, 2 bad input,
 /// 3 a run diverged, 4 the cross-check disagrees, 5 a run ended in chatter, 6 a drive is
-/// overloaded, 7 masses or inertias of the arm are placeholders.
+/// overloaded, 7 masses or inertias of the arm are placeholders, 8 a run left what its model
+/// describes, 130 or 143 a signal ended the command.
 #[derive(Debug, Parser)]
 #[command(name = "truecut", version)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
     /// Most memory that may be used, such as 2G: files whose contents would take more, and runs
-    /// whose rows would, are refused beforehand [default: the limit of the control group, if any]
+    /// whose rows would, are refused beforehand [default: the limits of the control group and of
+    /// the process, if any]
     #[arg(long, global = true, value_name = "BYTES", value_parser = number::bytes)]
     pub max_memory: Option<u64>,
 }

@@ -105,7 +105,9 @@ impl Failure {
         let place = path.zip(line);
         let shown = place.and_then(|(path, line)| in_line(path, line, text.clone(), help.clone()));
         shown.unwrap_or_else(|| {
-            let file = path.map_or_else(String::new, |path| format!("{}: ", path.display()));
+            // A file that is too long to be shown, or whose line is not known.
+            let line = line.map_or_else(String::new, |line| format!(":{line}"));
+            let file = path.map_or_else(String::new, |path| format!("{}{line}: ", path.display()));
             Failure::advised(format!("{file}{text}"), help)
         })
     }

@@ -38,7 +38,7 @@ pub fn part(arguments: &PartArguments) -> Result<ExitStatus, Failure> {
         .map_err(|error| Failure::message(error.to_string()))?;
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let printed = printed(&name, &part, arguments);
-    let folder = arguments.out.join(file.file_stem().unwrap_or_default());
+    let folder = (arguments.out).join(truecut_files::folder_name(file, "part"));
     std::fs::create_dir_all(&folder)
         .map_err(|error| Failure::at(&folder, format!("cannot make the folder: {error}")))?;
     let rrd = folder.join("part.rrd");

@@ -6,6 +6,7 @@
 mod cells;
 mod input;
 mod memory;
+mod name;
 mod nesting;
 mod room;
 mod watched;
@@ -14,6 +15,7 @@ mod whole;
 pub use cells::{CellRow, Cells, CellsError, number};
 pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, read, read_text};
 pub use memory::{limit_memory, memory_limit};
+pub use name::folder_name;
 pub use nesting::{MOST_NESTED, too_deep};
 pub use room::room_bytes;
 pub use watched::{was_read, watched};

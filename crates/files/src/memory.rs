@@ -11,8 +11,8 @@ const READING_TAKES: u64 = 8;
 static LIMIT: AtomicU64 = AtomicU64::new(0);
 
 /// Lets the process use no more than that, bytes: larger files are refused before they are read,
-/// larger runs before they begin. Without it the limit is that of the control group, if there is
-/// one.
+/// larger runs before they begin. Without it the limit is the least of those of the control group
+/// and of the process (`ulimit -v`, `ulimit -d`), if there are any.
 pub fn limit_memory(bytes: u64) {
     LIMIT.store(bytes.max(1), Ordering::Relaxed);
 }
@@ -21,7 +21,8 @@ pub fn limit_memory(bytes: u64) {
 pub fn memory_limit() -> u64 {
     match LIMIT.load(Ordering::Relaxed) {
         0 => {
-            let limit = of_group(Path::new("/sys/fs/cgroup"));
+            let of_self = std::fs::read_to_string("/proc/self/limits").unwrap_or_default();
+            let limit = of_group(Path::new("/sys/fs/cgroup")).min(of_process(&of_self));
             limit_memory(limit);
             limit
         }
@@ -45,9 +46,35 @@ fn of_group(folder: &Path) -> u64 {
     limits.min().unwrap_or(u64::MAX)
 }
 
+/// The least of the limits of the process, as Linux tells them; all where there are none.
+fn of_process(limits: &str) -> u64 {
+    let limit = |line: &str| {
+        let names = ["Max data size", "Max address space"];
+        let rest = names.iter().find_map(|name| line.strip_prefix(name))?;
+        rest.split_whitespace().next()?.parse().ok()
+    };
+    limits.lines().filter_map(limit).min().unwrap_or(u64::MAX)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_limits_of_a_process_are_read() {
+        let limits = |data: &str, space: &str| {
+            format!(
+                "Limit                     Soft Limit           Hard Limit           Units     \n\
+                 Max file size             4096                 unlimited            bytes     \n\
+                 Max data size             {data:20} unlimited            bytes     \n\
+                 Max address space         {space:20} unlimited            bytes     \n"
+            )
+        };
+        assert_eq!(of_process(""), u64::MAX);
+        assert_eq!(of_process(&limits("unlimited", "unlimited")), u64::MAX);
+        assert_eq!(of_process(&limits("unlimited", "4294967296")), 4 << 30);
+        assert_eq!(of_process(&limits("1048576", "4294967296")), 1 << 20);
+    }
 
     #[test]
     fn the_limit_of_a_group_is_read_in_both_versions() {

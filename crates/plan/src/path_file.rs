@@ -76,6 +76,8 @@ pub struct WayPoint {
     pub rapid: bool,
     /// Line of the file, of a path from CAM.
     pub line: Option<usize>,
+    /// When an arm that is led along the path is there, s.
+    pub reached_s: f64,
 }
 
 /// What a file holds, before an arm.
@@ -90,10 +92,10 @@ struct Read {
 }
 
 impl Read {
-    fn way(&self) -> Way {
+    fn way(&self, reached_s: &[f64]) -> Way {
         let program = &self.program;
         let work_from_base = self.world_from_work.inverse() * program.world_from_base;
-        let point = |one: &Move| {
+        let point = |(one, reached_s): (&Move, &f64)| {
             let speed_m_per_s = match one.motion {
                 Motion::Linear { speed_m_per_s } => Some(speed_m_per_s),
                 Motion::Joint { .. } => None,
@@ -105,11 +107,12 @@ impl Read {
                 speed_m_per_s,
                 rapid: rapid.unwrap_or(false) || speed_m_per_s.is_none(),
                 line: self.lines.get(one.path_point).copied(),
+                reached_s: *reached_s,
             }
         };
         Way {
             world_from_work: self.world_from_work,
-            points: program.moves.iter().map(point).collect(),
+            points: (program.moves.iter().zip(reached_s)).map(point).collect(),
             spindle: self.spindle.clone(),
         }
     }
@@ -128,11 +131,10 @@ impl PathFile {
         longest_s: f64,
     ) -> Result<PathFileMotion, ProgramError> {
         let read = self.read(robot, start)?;
-        let way = read.way();
-        let Read { program, lines, .. } = read;
+        let (program, lines) = (&read.program, &read.lines);
         let task = LedTask {
             robot,
-            program: &program,
+            program,
             joint_share: self.joint_share,
             interval_s,
             longest_s,
@@ -142,6 +144,8 @@ impl PathFile {
             let line = point.and_then(|point| lines.get(point).copied());
             ProgramError::in_file(&self.file, line, error.into_kind())
         })?;
+        let way = read.way(&motion.reached_s);
+        let Read { program, lines, .. } = read;
         Ok(PathFileMotion {
             motion,
             points: program.moves.len(),
@@ -149,6 +153,24 @@ impl PathFile {
             notes: program.notes,
             way,
         })
+    }
+
+    /// The path as the file has it; `None` of a robot program.
+    ///
+    /// # Errors
+    /// With file and line, what is not understood.
+    pub fn cam(&self) -> Result<Option<CamPath>, ProgramError> {
+        match &self.kind {
+            PathFileKind::Cam { options, .. } => self.read_cam(options).map(Some),
+            PathFileKind::Program { .. } => Ok(None),
+        }
+    }
+
+    fn read_cam(&self, options: &CamOptions) -> Result<CamPath, ProgramError> {
+        let file = &self.file;
+        let text =
+            read_text(file).map_err(|error| ProgramError::in_file(file, None, error.into()))?;
+        cam::read(&text, file, options)
     }
 
     /// The path before an arm.
@@ -161,9 +183,7 @@ impl PathFile {
                 setup,
                 tool_from_tip,
             } => {
-                let text = read_text(file)
-                    .map_err(|error| ProgramError::in_file(file, None, error.into()))?;
-                let path = cam::read(&text, file, options)?;
+                let path = self.read_cam(options)?;
                 check_spin(setup, &path).map_err(|kind| ProgramError::in_file(file, None, kind))?;
                 let flange_from_tool = tool.flange_from_tool * tool_from_tip;
                 let tool = Tool {

@@ -285,6 +285,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         &["the feed F is 99999999999", "at most 10000 mm/s"],
     ),
     (
+        "endless.nc",
+        3,
+        &["the feed F is 0.000001", "at least 0.001 mm/s"],
+    ),
+    (
         "home_without_rapid.apt",
         6,
         &["a move with feed", "RAPID before", "GOHOME in line 5"],
@@ -435,6 +440,16 @@ fn a_million_lines_are_refused_at_the_first_point_too_many() {
     let report = error.to_string();
     assert!(report.contains(&MOST_POINTS.to_string()), "{report}");
     assert_eq!(error.line(), Some(MOST_POINTS + 2), "{report}");
+
+    let mut poses = String::from("# bench\nx_mm,y_mm,z_mm,feed_mm_per_s,i,j,k\n");
+    for i in 0..1_000_000 {
+        poses.push_str(if i % 2 == 0 { "1,0,0,10,0,0,1\n" } else { "\n" });
+    }
+    assert!(read(&poses, "x.csv").is_ok_and(|path| path.points.len() == MOST_POINTS));
+    poses.push_str("0,0,0,10,0,0,1\n");
+    let error = read(&poses, "x.csv").expect_err("too many");
+    assert_eq!(error.line(), Some(1_000_003), "{error}");
+    assert!(error.to_string().contains("at most 500000"), "{error}");
 }
 
 proptest! {

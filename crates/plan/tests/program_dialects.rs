@@ -167,6 +167,16 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         &["the speed v is -0.1", "above zero"],
     ),
     ("not_a_number.script", 2, &["0x4", "finite number"]),
+    (
+        "nested_lists.script",
+        2,
+        &["the depth of calls and lists is 9", "at most 8"],
+    ),
+    (
+        "endless.script",
+        2,
+        &["the speed in m/s is 1e-320", "at least 1e-6"],
+    ),
     ("call.LS", 6, &["`CALL ../OTHER`", "UFRAME_NUM"]),
     ("missing_position.LS", 6, &["no P[2] to move to"]),
     ("timed.LS", 6, &["`2sec`", "mm/sec"]),
@@ -183,6 +193,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         &["SKIP CONDITION", "an instruction that moves nothing"],
     ),
     ("level.LS", 5, &["CNT is 101", "0 to 100"]),
+    (
+        "endless.MOD",
+        10,
+        &["the share of the top speed is", "at least 1e-6"],
+    ),
     ("if.MOD", 11, &["`IF`", "MoveJ, MoveL"]),
     (
         "far_circle.script",
@@ -267,6 +282,61 @@ fn a_speed_beyond_all_bounds_is_too_fast_for_the_joints() {
         assert!(replay.findings.iter().any(is_fast), "{speed_m_per_s}");
         let fastest = replay.fastest.expect("a line").0;
         assert!(fastest > 1.0, "{speed_m_per_s}: {fastest}");
+    }
+}
+
+/// A program of one move too many, and the line of that move: in a job and in an `.LS` the line of
+/// its position, which comes before.
+fn one_too_many(name: &str) -> (String, usize) {
+    let count = MOST_POINTS + 1;
+    let lines = |one: &dyn Fn(usize) -> String| (0..count).map(one).collect::<String>();
+    match name {
+        "long.mod" => {
+            let one = "MoveL [[900,0,500],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v100,z1,tool0;\n";
+            let body = lines(&|_| one.to_owned());
+            (
+                format!("MODULE long\nPROC main()\n{body}ENDPROC\nENDMODULE\n"),
+                2 + count,
+            )
+        }
+        "long.src" => {
+            let body = lines(&|_| "LIN {X 900,Y 0,Z 500,A 0,B 90,C 0,S 2,T 0}\n".to_owned());
+            (format!("DEF long()\n$VEL.CP=0.1\n{body}END\n"), 2 + count)
+        }
+        "long.ls" => {
+            let moves = lines(&|i| format!("{}:L P[{}] 100mm/sec FINE ;\n", i + 1, i + 1));
+            let positions = lines(&|i| {
+                let numbers = "X = 900 mm, Y = 0 mm, Z = 500 mm, W = 180 deg, P = 0 deg, R = 0 deg";
+                format!(
+                    "P[{}]{{\nGP1:\nUF : 0, UT : 1, CONFIG : 'N U T, 0, 0, 0',\n{numbers}\n}};\n",
+                    i + 1
+                )
+            });
+            let text = format!("/PROG LONG\n/MN\n{moves}/POS\n{positions}/END\n");
+            (text, 3 + count + 5 * (count - 1) + 1)
+        }
+        _ => {
+            let head = "/JOB\n//NAME LONG\n//POS\n///NPOS 500001,0,0,0,0,0\n///TOOL 0\n///POSTYPE BASE\n\
+                        ///RECTAN\n///RCONF 1,0,0,0,0,0\n";
+            let positions =
+                lines(&|i| format!("C{i:05}=900.000,0.000,500.000,180.0000,0.0000,0.0000\n"));
+            (format!("{head}{positions}//INST\n"), 8 + count)
+        }
+    }
+}
+
+/// Every dialect is refused at the move that is one too many, before postures are looked for.
+#[test]
+fn a_program_of_too_many_moves_is_refused_at_the_first_of_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["long.mod", "long.src", "long.ls", "long.JBI"] {
+        let (text, line) = one_too_many(name);
+        let file = folder.path().join(name);
+        std::fs::write(&file, text).expect("a program");
+        let error = read_with(&file, &Settings::default()).expect_err("too many");
+        assert_eq!(error.line(), Some(line), "{name}: {error}");
+        let rule = format!("at most {MOST_POINTS}");
+        assert!(error.to_string().contains(&rule), "{name}: {error}");
     }
 }
 

@@ -73,12 +73,9 @@ impl Document {
             .map_or_else(PathBuf::new, Path::to_owned)
     }
 
-    /// Name of the file without folder and extension, or what stands in for it.
+    /// Name of the file without folder and extension, or what stands in for it, as a folder can
+    /// have it.
     pub fn stem(&self, nameless: &str) -> String {
-        let stem = self.path().file_stem();
-        stem.map_or_else(
-            || nameless.to_owned(),
-            |stem| stem.to_string_lossy().into_owned(),
-        )
+        truecut_files::folder_name(self.path(), nameless)
     }
 }

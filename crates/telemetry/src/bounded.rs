@@ -5,8 +5,14 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use bytes::Bytes;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::reader::{ChunkReader, Length};
+
+use crate::error::Reason;
+use crate::{footer, pages};
+
+pub(crate) type Builder = ParquetRecordBatchReaderBuilder<Bounded>;
 
 /// A file and its length. Of a plain file the library asks memory for as many bytes as the file's
 /// own table of contents says, before it looks whether they are there.
@@ -16,10 +22,15 @@ pub(crate) struct Bounded {
 }
 
 impl Bounded {
-    pub(crate) fn open(path: &Path) -> std::io::Result<Bounded> {
-        let file = truecut_files::open(path)?;
+    /// A file whose sizes and counts are looked at.
+    pub(crate) fn open(path: &Path) -> std::result::Result<Builder, Reason> {
+        let mut file = truecut_files::open(path)?;
         let length = file.metadata()?.len();
-        Ok(Bounded { file, length })
+        footer::check(&mut file, length)?;
+        let mut pages = file.try_clone()?;
+        let builder = Builder::try_new(Bounded { file, length })?;
+        pages::check(&mut pages, length, builder.metadata())?;
+        Ok(builder)
     }
 }
 

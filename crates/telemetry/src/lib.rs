@@ -65,13 +65,16 @@ pub mod contract;
 mod decimate;
 mod display;
 mod error;
+mod footer;
 mod frames;
 mod ipc;
 mod log;
+mod pages;
 mod parquet_file;
 mod rrd;
 mod table;
 mod tables;
+mod thrift;
 
 pub use background::Background;
 pub use columns::{Column, Values, write_columns};

@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use arrow::datatypes::SchemaRef;
 use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
@@ -192,7 +191,7 @@ impl Sink for ParquetSink {
 /// A file that cannot be read, or whose columns are not a recording's.
 pub fn read_parquet(path: &Path) -> Result<Recording, FileError> {
     let read = || {
-        let builder = ParquetRecordBatchReaderBuilder::try_new(Bounded::open(path)?)?;
+        let builder = Bounded::open(path)?;
         let mut recording =
             table::recording_from_schema(builder.schema()).map_err(Reason::NotARecording)?;
         for batch in builder.with_batch_size(65_536).build()? {

@@ -66,7 +66,12 @@ struct Entry {
 }
 
 impl Head {
+    /// How many bytes of values follow; `None` of a head that is damaged.
     fn bytes(&self) -> Option<u64> {
+        // Columns without samples would take no room in the file, and any in memory.
+        if (self.columns == 0) != (self.samples == 0) {
+            return None;
+        }
         let values = self.columns.checked_mul(self.samples)?;
         (values as u64).checked_mul(8)
     }
@@ -296,6 +301,10 @@ impl Model for KeptModel<'_> {
         })
     }
 
+    fn may_be(&self, effects: &[Effect]) -> bool {
+        self.model.may_be(effects)
+    }
+
     fn is_steady(&self) -> bool {
         self.model.is_steady()
     }
@@ -318,5 +327,26 @@ impl Model for KeptModel<'_> {
         self.answer(asked, || {
             (self.model).predict_experiment(experiment, nominal, effects)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regress_no_memory_for_columns_without_samples() {
+        let head = |columns, samples| Head {
+            asked: String::new(),
+            columns,
+            samples,
+            digest: 0,
+            error: None,
+        };
+        assert_eq!(head(3, 5).bytes(), Some(120));
+        assert_eq!(head(0, 0).bytes(), Some(0));
+        assert_eq!(head(1 << 60, 0).bytes(), None);
+        assert_eq!(head(0, 1 << 60).bytes(), None);
+        assert_eq!(head(1 << 40, 1 << 40).bytes(), None);
     }
 }

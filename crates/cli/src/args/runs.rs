@@ -191,7 +191,8 @@ fn load_all(paths: &[PathBuf], common: &Common) -> Result<Vec<Scenario>, Failure
             ));
         }
         let scenario = Scenario::load(path, &common.set)?;
-        if let Some(other) = folders.insert(scenario.stem(), path) {
+        // Not every system tells apart names that differ by case only.
+        if let Some(other) = folders.insert(scenario.stem().to_lowercase(), path) {
             let (stem, other) = (scenario.stem(), other.display());
             let text = format!(
                 "{other} and {} would both write to the folder \"{stem}\"",

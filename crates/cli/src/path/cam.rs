@@ -8,8 +8,8 @@ use truecut_arm::{JointKind, Robot};
 use truecut_plan::cam::{self, CamOptions, CamPath, WorkSetup};
 use truecut_plan::clearance::Station;
 use truecut_plan::program::{
-    Dialect, Motion, Options, Program, ProgramError, Replay, ReplayOptions, Settings, Start,
-    TravelOptions, dialect_named, maker_note, read_text,
+    Dialect, Motion, Options, Program, ProgramError, Replay, Settings, Start, TravelOptions,
+    dialect_named, maker_note, read_text,
 };
 use truecut_plan::surface_path::joint_cells;
 use truecut_recording::{ChannelSpec, Chunk, Header, Outcome, Recording, Sink, Unit};
@@ -21,7 +21,8 @@ use crate::args::{CamArguments, PathArguments};
 use crate::clearance::Checked;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
-use crate::program::{RunThrough, run_through};
+use crate::program::{RunThrough, replayed, run_through};
+use crate::progress::Progress;
 use crate::robot::{of_slides, posture, with_slides, without_tool};
 
 /// Most frames of the recording.
@@ -46,7 +47,8 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let read = cam::read(&text, file, &options).map_err(|error| refused(file, &error))?;
     check_spin(cam, &read, file)?;
     let program = followed(arguments, &robot, dialect, &settings, &read)?;
-    let replay = program.replay(&robot, &ReplayOptions::default());
+    let run = |tell: &(dyn Fn(f64) + Sync)| replayed(&program, &robot, file, tell);
+    let replay = Progress::of_one("run through", run)?;
     let clearance = cell.map(|cell| {
         let is_rapid = |point: usize| read.points[point].feed_m_per_s.is_none();
         let stations = Station::of_replay(&program, &replay, is_rapid);
@@ -259,8 +261,8 @@ fn write(
     planned: &Planned<'_>,
 ) -> Result<Vec<PathBuf>, Failure> {
     let (robot, read, program) = (planned.robot, planned.read, planned.program);
-    let stem = arguments.file.file_stem().unwrap_or_default();
-    let folder = arguments.out.join(stem);
+    let stem = truecut_files::folder_name(&arguments.file, "path");
+    let folder = arguments.out.join(&stem);
     // First what can be refused.
     let files = dialect
         .write(program, robot, settings)

@@ -14,8 +14,7 @@ use nalgebra::{Isometry3, Vector3};
 use truecut_plan::clearance::{Carried, Form, Own, Station};
 use truecut_plan::motion::joints::slowest_joint_s;
 use truecut_plan::program::{
-    Finding, FindingKind, Motion, Move, Program, ProgramErrorKind, Replay, ReplayOptions,
-    TravelOptions,
+    Finding, FindingKind, Motion, Move, Program, ProgramErrorKind, Replay, TravelOptions,
 };
 use truecut_plan::surface_path::{
     AxisRule, Chord, Part, Segment, Speeds, SurfacePath, SurfacePathError, TaughtWhen, parts_of,
@@ -27,6 +26,7 @@ use crate::args::PathArguments;
 use crate::clearance::Checked;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
+use crate::program::replayed;
 use crate::progress::Progress;
 use inputs::Inputs;
 
@@ -98,7 +98,7 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, F
     }
     drop(run);
     let run = progress.run();
-    let (clearance, replay) = clearance(job, inputs, &program)?;
+    let (clearance, replay) = clearance(job, inputs, &program, &|part| run.set(part))?;
     drop(run);
     Ok(PlannedPath {
         job,
@@ -120,8 +120,9 @@ fn clearance(
     job: &PathJob,
     inputs: &Inputs,
     program: &Program,
+    tell: &(dyn Fn(f64) + Sync),
 ) -> Result<(Option<Checked>, Replay), Failure> {
-    let replay = program.replay(&inputs.robot, &ReplayOptions::default());
+    let replay = replayed(program, &inputs.robot, job.path(), tell)?;
     let Some(cell) = job.cell.as_deref() else {
         return Ok((None, replay));
     };

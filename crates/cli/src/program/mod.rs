@@ -3,16 +3,21 @@
 mod deviation;
 mod read;
 
+use std::path::Path;
+
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use truecut_arm::Robot;
 use truecut_plan::clearance::Station;
-use truecut_plan::program::{FindingKind, Motion, Program, Replay, ReplayOptions, ZoneReport};
+use truecut_plan::program::{
+    FindingKind, MOST_PLACES, Motion, Program, Replay, ReplayOptions, ZoneReport,
+};
 use truecut_recording::{Unit, significant};
 
 use crate::args::ProgramArguments;
 use crate::clearance::Checked;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
+use crate::progress::Progress;
 use crate::robot::{of_slides, with_slides, without_tool};
 use crate::text::{Align, fastest_joint, row, show, table};
 use deviation::Deviation;
@@ -41,7 +46,8 @@ pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
     let path = (arguments.path.as_ref())
         .map(|path| deviation::path_of(path, robot.dof()))
         .transpose()?;
-    let replay = program.replay(&robot, &ReplayOptions::default());
+    let run = |tell: &(dyn Fn(f64) + Sync)| replayed(&program, &robot, &arguments.file, tell);
+    let replay = Progress::of_one("run through", run)?;
     let deviation = (path.as_ref()).map(|path| Deviation::of(&program, path));
     let deviation = deviation.transpose()?;
     let cell = arguments.cell.as_deref();
@@ -60,6 +66,25 @@ pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
         point_name: &name,
         acceleration_m_per_s2: arguments.acceleration_m_per_s2,
     })
+}
+
+/// Runs through the program of a file, in memory that is bounded, and tells how far it has come.
+pub fn replayed(
+    program: &Program,
+    robot: &Robot,
+    file: &Path,
+    tell: &(dyn Fn(f64) + Sync),
+) -> Result<Replay, Failure> {
+    let options = ReplayOptions::default();
+    let places = program.places(&options);
+    if places > MOST_PLACES {
+        let what = format!(
+            "the way is looked at every 1 mm and 1 degree, at {places} places in all; they must be at most \
+             {MOST_PLACES}: cut the file"
+        );
+        return Err(Failure::at(file, what));
+    }
+    Ok(program.replay_telling(robot, &options, tell))
 }
 
 /// What came of running a program through.

@@ -172,6 +172,10 @@ impl Model for Change<'_> {
             let one = &curve.candidate;
             twin(&self.shared, &[], one.kind, &one.target).is_none()
         });
+        // A friction may have become less.
+        curves
+            .iter_mut()
+            .for_each(|curve| curve.least = f64::NEG_INFINITY);
         curves
     }
 

@@ -37,8 +37,8 @@ pub fn changes(
         .map_err(BetweenError::of(&pair.observation.source))?;
     let found = &mut answer.changes;
     found.shared.clone_from(&of_first.diagnosis.causes);
-    if of_first.diagnosis.verdict == diagnose::Verdict::NotIdentifiable && found.changes.is_empty()
-    {
+    let unmoved = of_first.diagnosis.verdict == diagnose::Verdict::NotIdentifiable;
+    if unmoved && found.verdict == Verdict::NothingChanged {
         found.verdict = Verdict::NotIdentifiable;
         found.reason = format!("{} {}", first.measured().source, of_first.diagnosis.reason);
         found.missing.clone_from(&of_first.diagnosis.missing);

@@ -254,6 +254,8 @@ pub(crate) fn explain(
     if let Some(told) = set_up_doubt(model, data, &answer.after) {
         // Causes in a set-up that is not the machine's are none.
         answer.diagnosis.verdict = Verdict::UnknownCause;
+        answer.diagnosis.alternatives.clear();
+        answer.diagnosis.experiments.clear();
         answer.diagnosis.reason = format!("{told} {}", answer.diagnosis.reason);
     }
     answer.diagnosis.work = Work {

@@ -67,6 +67,8 @@ pub fn follow(
             .map(|point| path.points[point].line);
         ProgramError::in_file(file, line, error.into_kind())
     })?;
+    // A controller that blends the last point, too, ends the program before it is there.
+    let last = path.points.len().saturating_sub(1);
     let each = points.iter().zip(&path.points).zip(postures);
     let moves = each
         .enumerate()
@@ -74,7 +76,7 @@ pub fn follow(
             path_point,
             base_from_tool: point.base_from_tool,
             motion: point.motion,
-            zone: match (source.stops, setup.zone_m) {
+            zone: match (source.stops || path_point == last, setup.zone_m) {
                 (true, _) => Zone::Stop,
                 (false, Some(zone_m)) if zone_m > 0.0 => Zone::Within(zone_m),
                 (false, Some(_)) => Zone::Stop,

@@ -18,9 +18,9 @@ use std::path::Path;
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
 pub use follow::{WorkSetup, follow};
-pub use spindle::{SpindleAtCuts, SpindleTurn, SpindleWord};
+pub use spindle::{SpindleAtCuts, SpindleSpeed, SpindleTurn, SpindleWord};
 
-use crate::program::{FASTEST_M_PER_S, ProgramError, ProgramErrorKind};
+use crate::program::{FASTEST_M_PER_S, ProgramError, ProgramErrorKind, SLOWEST};
 
 const INCH_M: f64 = 0.0254;
 /// Endings of files and what reads them.
@@ -145,6 +145,8 @@ fn checked_feed(
         mm * 60.0
     );
     ProgramErrorKind::unless(m_per_s <= FASTEST_M_PER_S, what, given, rule)?;
+    let rule = format!("at least {} mm/s: the move would not end", SLOWEST * 1e3);
+    ProgramErrorKind::unless(m_per_s >= SLOWEST, what, given, rule)?;
     Ok(m_per_s)
 }
 

@@ -8,7 +8,7 @@ use truecut_files::{CellRow, Cells};
 
 use super::{Attitude, CamPath, CamPoint, checked_feed, direction};
 use crate::program::number::finite;
-use crate::program::{ProgramError, ProgramErrorKind};
+use crate::program::{MOST_POINTS, ProgramError, ProgramErrorKind};
 
 /// Columns of one quantity under the names that they may have, each with its unit in SI.
 type Names<const N: usize> = &'static [([&'static str; N], f64)];
@@ -150,6 +150,7 @@ impl Stands {
 pub(super) fn read(text: &str, file: &Path) -> Result<CamPath, ProgramError> {
     let at = |line: usize, kind| ProgramError::in_file(file, line, kind);
     let rule = "rows of as many cells as there are columns";
+    refuse_too_many(text).map_err(|(line, kind)| at(line, kind))?;
     let table = Cells::of(text).map_err(|error| {
         at(
             error.line,
@@ -177,7 +178,6 @@ pub(super) fn read(text: &str, file: &Path) -> Result<CamPath, ProgramError> {
             let found = format!("a row of {} cells", row.cells.len());
             return Err(at(line, ProgramErrorKind::value("the table", found, rule)));
         }
-        ProgramErrorKind::unless_too_many(path.points.len() + 1).map_err(|kind| at(line, kind))?;
         let row = Row {
             table: &table,
             heads,
@@ -187,6 +187,21 @@ pub(super) fn read(text: &str, file: &Path) -> Result<CamPath, ProgramError> {
         path.points.push(point);
     }
     Ok(path)
+}
+
+/// Refuses more rows than points are planned for, before they are taken apart.
+fn refuse_too_many(text: &str) -> Result<(), (usize, ProgramErrorKind)> {
+    let is_row = |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.starts_with('#');
+    let mut rows = text
+        .lines()
+        .enumerate()
+        .filter(is_row)
+        .skip(1 + MOST_POINTS);
+    let Some((index, _)) = rows.next() else {
+        return Ok(());
+    };
+    let count = MOST_POINTS + 1 + rows.count();
+    ProgramErrorKind::unless_too_many(count).map_err(|kind| (index + 1, kind))
 }
 
 fn point(

@@ -44,6 +44,9 @@ pub struct LedTask<'a> {
 pub struct LedMotion {
     /// Postures at even times, from rest to rest.
     pub knots: Vec<Vec<f64>>,
+    /// When each of the program's moves is done, s: where corners are blended, when the tool is
+    /// next to the corner by its way.
+    pub reached_s: Vec<f64>,
     /// Length of the lines, m.
     pub length_m: f64,
     /// Farthest that the tool comes off its lines where corners are blended, or stays short of one
@@ -76,6 +79,7 @@ impl LedTask<'_> {
             solver: self.robot.ik_solver(&BranchOptions::default()),
             motion: LedMotion {
                 knots: vec![first.posture.clone()],
+                reached_s: vec![0.0],
                 length_m: 0.0,
                 off: (0.0, first.path_point),
                 slowed: None,
@@ -91,7 +95,8 @@ impl LedTask<'_> {
                     at = last;
                 }
             }
-            let duration_s = (led.motion.knots.len() - 1) as f64 * self.interval_s;
+            let duration_s = led.duration_s();
+            led.motion.reached_s.resize(at + 1, duration_s);
             led.check_duration(duration_s, at)?;
             at += 1;
         }
@@ -157,6 +162,11 @@ struct Growing<'a> {
 }
 
 impl Growing<'_> {
+    /// How long the motion takes so far.
+    fn duration_s(&self) -> f64 {
+        (self.motion.knots.len() - 1) as f64 * self.task.interval_s
+    }
+
     fn by_joints(&mut self, to: &Move, share: f64) {
         let (robot, interval_s) = (self.task.robot, self.task.interval_s);
         let knots = &mut self.motion.knots;
@@ -176,14 +186,34 @@ impl Growing<'_> {
             return Ok(());
         }
         let trajectory = Trajectory::new(knots, RAMP);
-        let before_s = (self.motion.knots.len() - 1) as f64 * self.task.interval_s;
+        let before_s = self.duration_s();
         self.check_duration(before_s + trajectory.duration_s(), last)?;
         let sampled = trajectory.sampled(self.task.interval_s).into_iter();
         let places: Vec<Place> = sampled.map(Place).collect();
         let postures = self.postures(&places)?;
         self.motion.knots.extend(postures.into_iter().skip(1));
+        self.reach(last, before_s, &places);
         self.look_off(&places, first, last);
         Ok(())
+    }
+
+    /// When the moves before the last one of lines are done; the places follow at even times.
+    fn reach(&mut self, last: usize, before_s: f64, places: &[Place]) {
+        let mut k = 0;
+        while self.motion.reached_s.len() < last {
+            let at = self.motion.reached_s.len() as f64;
+            while k + 2 < places.len() && places[k + 1].at_move() < at {
+                k += 1;
+            }
+            let [from, to] = [k, k + 1].map(|k| places[k].at_move());
+            let share = if to > from {
+                (at - from) / (to - from)
+            } else {
+                0.0
+            };
+            let steps = k as f64 + share.clamp(0.0, 1.0);
+            (self.motion.reached_s).push(before_s + steps * self.task.interval_s);
+        }
     }
 
     /// Knots of the lines between these moves, with their times; the sign of a quaternion goes on

@@ -13,6 +13,9 @@ use crate::motion::follow::FollowError;
 pub const MOST_POINTS: usize = 500_000;
 /// Largest speed of a tool that is read or written, m/s: the tools of the fastest arms reach it.
 pub const FASTEST_M_PER_S: f64 = 10.0;
+/// Least speed of a tool that is read, m/s, and least share of a joint's top speed: a
+/// thousandth of what controllers take. A path of a metre takes a week and a half.
+pub const SLOWEST: f64 = 1e-6;
 /// Farthest that a path may lie from its origin.
 const FARTHEST_M: f64 = 1000.0;
 /// Largest radius of a circle: rounding moves its places by 0.2 nm.

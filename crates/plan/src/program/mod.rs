@@ -68,10 +68,12 @@ use truecut_arm::Robot;
 pub use dialect::{
     Dialect, Frames, Options, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
 };
-pub use error::{FASTEST_M_PER_S, MOST_POINTS, OptionFault, ProgramError, ProgramErrorKind};
+pub use error::{
+    FASTEST_M_PER_S, MOST_POINTS, OptionFault, ProgramError, ProgramErrorKind, SLOWEST,
+};
 pub use inspect::{Finding, FindingKind};
 pub use moves::{Motion, Move, PathPoint, Program, SpindleSwitch, Tool, Zone};
-pub use replay::{Replay, ReplayOptions, ReplayRow};
+pub use replay::{MOST_PLACES, Replay, ReplayOptions, ReplayRow};
 pub use setup::ProgramSetup;
 pub use start::{Start, along_lines};
 pub use travel::{TravelOptions, shortest_travel};

@@ -7,7 +7,7 @@ use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, IkOptions, IkSolver, Robot};
 
-use super::error::{MOST_POINTS, ProgramError, ProgramErrorKind};
+use super::error::{MOST_POINTS, ProgramError, ProgramErrorKind, SLOWEST};
 use super::flags::{Flags, Resolver};
 use super::moves::{Motion, Move, Program, Zone};
 use super::travel::{outside, rated_chain};
@@ -61,6 +61,16 @@ impl Notes {
 
 type Column = Vec<(f64, Vec<f64>)>;
 
+/// Refuses a move that would never end.
+fn unless_too_slow(motion: Motion) -> Result<(), ProgramErrorKind> {
+    let (speed, what) = match motion {
+        Motion::Joint { share } => (share, "the share of the top speed"),
+        Motion::Linear { speed_m_per_s } => (speed_m_per_s, "the speed in m/s"),
+    };
+    let rule = format!("at least {SLOWEST:e}: the move would not end");
+    ProgramErrorKind::unless(speed >= SLOWEST, what, format!("{speed:e}"), rule)
+}
+
 /// Adds the moves to a program: circles as chords, postures by what the file says of the branch,
 /// else nearest to that before. Switches of the spindle count steps, and are moved to the moves
 /// that come of them.
@@ -75,6 +85,10 @@ pub(super) fn follow(
 ) -> Result<Program, ProgramError> {
     if let Some(step) = steps.get(MOST_POINTS) {
         ProgramErrorKind::unless_too_many(steps.len())
+            .map_err(|kind| ProgramError::in_file(path, step.line, kind))?;
+    }
+    for step in &steps {
+        unless_too_slow(step.motion)
             .map_err(|kind| ProgramError::in_file(path, step.line, kind))?;
     }
     let (steps, firsts) = chords(&head, steps, robot, path)?;

@@ -1,5 +1,7 @@
 //! A program run through between its points: what the arm does on the way.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use nalgebra::Isometry3;
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, OpwGeometry, Robot};
@@ -9,6 +11,12 @@ use super::moves::{Motion, Move, Program};
 use crate::motion::joints::{joint_speeds, slowest_joint_s};
 use crate::reach::largest_motion_rad;
 use crate::singularity::SingularityLimits;
+
+/// Most places that a run through is asked to look at: some 200 bytes are kept of each.
+pub const MOST_PLACES: usize = 4_000_000;
+
+/// Moves from one word on progress to the next.
+const TOLD_EVERY: usize = 256;
 
 /// How a program is run through.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +35,13 @@ impl ReplayOptions {
         let turn_rad = from.rotation.angle_to(&to.rotation);
         let count = (path_m / self.step_m).max(turn_rad / self.step_rad);
         count.ceil().max(1.0) as usize
+    }
+
+    /// Places at which a move by joints is looked at, its end with them.
+    fn turns(&self, from: &[f64], to: &[f64]) -> usize {
+        (largest_motion_rad(from, to) / self.step_rad)
+            .ceil()
+            .max(1.0) as usize
     }
 }
 
@@ -62,16 +77,48 @@ pub struct Replay {
 }
 
 impl Program {
+    /// How many places a run through looks at.
+    #[must_use]
+    pub fn places(&self, options: &ReplayOptions) -> usize {
+        let pairs = self.moves.windows(2);
+        let each = pairs.map(|pair| match pair[1].motion {
+            Motion::Joint { .. } => options.turns(&pair[0].posture, &pair[1].posture),
+            Motion::Linear { .. } => {
+                let [from, to] = [0, 1].map(|k| &pair[k].base_from_tool);
+                options.places(from, to)
+            }
+        });
+        each.fold(1, usize::saturating_add)
+    }
+
     /// Runs through a program: along lines the tool point at the programmed speed, its attitude
     /// turning evenly, the joints found again between path points from the posture before; on moves
     /// by joints all joints together, the slowest at its share of its top speed. Accelerations and
     /// zones are left out.
     #[must_use]
     pub fn replay(&self, robot: &Robot, options: &ReplayOptions) -> Replay {
+        self.replay_telling(robot, options, &|_| ())
+    }
+
+    /// As [`Program::replay`]; tells now and then which part of it is done, 0 to 1.
+    #[must_use]
+    pub fn replay_telling(
+        &self,
+        robot: &Robot,
+        options: &ReplayOptions,
+        tell: &(dyn Fn(f64) + Sync),
+    ) -> Replay {
+        let (done, all) = (AtomicUsize::new(0), self.moves.len() as f64);
         // Moves are independent of each other: each begins and ends with a posture of the program.
         let pairs = self.moves.par_windows(2);
         let legs: Vec<Leg> = pairs
-            .map(|pair| self.leg(robot, &pair[0], &pair[1], options))
+            .map(|pair| {
+                let before = done.fetch_add(1, Ordering::Relaxed);
+                if before.is_multiple_of(TOLD_EVERY) {
+                    tell(before as f64 / all);
+                }
+                self.leg(robot, &pair[0], &pair[1], options)
+            })
             .collect();
         let mut replay = Replay {
             rows: Vec::new(),
@@ -130,8 +177,7 @@ impl Program {
         options: &ReplayOptions,
     ) -> Leg {
         let time_s = slowest_joint_s(robot, &before.posture, &step.posture, share);
-        let widest = largest_motion_rad(&before.posture, &step.posture);
-        let count = (widest / options.step_rad).ceil().max(1.0) as usize;
+        let count = options.turns(&before.posture, &step.posture);
         let mut leg = Leg::default();
         for k in 1..=count {
             let t = k as f64 / count as f64;

@@ -1,6 +1,7 @@
 //! Words, numbers, texts and marks of robot languages, with their lines.
 
 use std::path::Path;
+use std::str::Lines;
 
 use crate::program::number::finite;
 use crate::program::{ProgramError, ProgramErrorKind};
@@ -46,55 +47,99 @@ pub(super) enum Value<'a> {
     List(Vec<Value<'a>>),
 }
 
-/// The tokens of a module, taken one after another.
+/// A token with its line.
+type Placed<'a> = (Token<'a>, usize);
+
+/// The tokens of a module, taken one after another; no more of them are held than are looked at.
 pub(super) struct Source<'a> {
     path: &'a Path,
-    tokens: Vec<(Token<'a>, usize)>,
-    at: usize,
-    last_line: usize,
+    syntax: &'a Syntax,
+    lines: Lines<'a>,
+    /// What is left of the line that was begun, and whether a token came from it.
+    rest: &'a str,
+    begun: bool,
+    line: usize,
+    /// The token last taken.
+    before: Option<Placed<'a>>,
+    /// The two that come next; none once the text ends.
+    ahead: [Option<Placed<'a>>; 2],
+    /// What cannot be read behind them.
+    fault: Option<ProgramErrorKind>,
 }
 
 impl<'a> Source<'a> {
-    pub fn new(text: &'a str, path: &'a Path, syntax: &Syntax) -> Result<Self, ProgramError> {
-        let mut tokens = Vec::new();
-        let mut last_line = 1;
-        for (i, line) in text.lines().enumerate() {
-            last_line = i + 1;
-            let mut rest = line.trim_start();
-            let before = tokens.len();
-            while !rest.is_empty() && !rest.starts_with(syntax.comment) {
-                let (token, after) = token(rest, syntax)
-                    .map_err(|kind| ProgramError::in_file(path, last_line, kind))?;
-                tokens.push((token, last_line));
-                rest = after.trim_start();
-            }
-            if syntax.lines && tokens.len() > before {
-                tokens.push((Token::Mark(LINE_END), last_line));
-            }
-        }
-        Ok(Self {
+    pub fn new(text: &'a str, path: &'a Path, syntax: &'a Syntax) -> Self {
+        let mut source = Self {
             path,
-            tokens,
-            at: 0,
-            last_line,
-        })
+            syntax,
+            lines: text.lines(),
+            rest: "",
+            begun: false,
+            line: 0,
+            before: None,
+            ahead: [None, None],
+            fault: None,
+        };
+        source.advance();
+        source.advance();
+        source.before = None;
+        source
+    }
+
+    /// Takes the next token.
+    fn advance(&mut self) {
+        let behind = self.read();
+        let [next, after] = &mut self.ahead;
+        let taken = std::mem::replace(next, std::mem::replace(after, behind));
+        if taken.is_some() {
+            self.before = taken;
+        }
+    }
+
+    /// The token behind those that come next.
+    fn read(&mut self) -> Option<Placed<'a>> {
+        if self.fault.is_some() {
+            return None;
+        }
+        loop {
+            self.rest = self.rest.trim_start();
+            if !self.rest.is_empty() && !self.rest.starts_with(self.syntax.comment) {
+                return match token(self.rest, self.syntax) {
+                    Ok((token, after)) => {
+                        (self.rest, self.begun) = (after, true);
+                        Some((token, self.line))
+                    }
+                    Err(kind) => {
+                        self.fault = Some(kind);
+                        None
+                    }
+                };
+            }
+            let ends = std::mem::take(&mut self.begun) && self.syntax.lines;
+            self.rest = "";
+            if ends {
+                return Some((Token::Mark(LINE_END), self.line));
+            }
+            self.rest = self.lines.next()?;
+            self.line += 1;
+        }
     }
 
     /// Line of the token that comes next; the last line if none does.
     pub fn line(&self) -> usize {
-        self.tokens.get(self.at).map_or(self.last_line, |t| t.1)
+        self.ahead[0].as_ref().map_or(self.line.max(1), |t| t.1)
     }
 
     /// Line of the token last taken.
     pub fn last_line(&self) -> usize {
-        let at = self.at.saturating_sub(1);
-        self.tokens.get(at).map_or(self.last_line, |t| t.1)
+        let taken = self.before.as_ref().or(self.ahead[0].as_ref());
+        taken.map_or(self.line.max(1), |t| t.1)
     }
 
     /// Whether this mark or word comes next.
     pub fn comes(&self, wanted: &str) -> bool {
-        self.tokens
-            .get(self.at)
+        self.ahead[0]
+            .as_ref()
             .is_some_and(|(token, _)| match token {
                 Token::Word(found) | Token::Mark(found) => found.eq_ignore_ascii_case(wanted),
                 Token::Text(_) => false,
@@ -104,15 +149,19 @@ impl<'a> Source<'a> {
     /// Takes this mark or word if it comes next.
     pub fn take(&mut self, wanted: &str) -> bool {
         let comes = self.comes(wanted);
-        self.at += usize::from(comes);
+        if comes {
+            self.advance();
+        }
         comes
     }
 
     /// Takes a word that this mark follows, and the mark.
     pub fn named(&mut self, mark: &str) -> Option<&'a str> {
-        match (self.tokens.get(self.at), self.tokens.get(self.at + 1)) {
-            (Some((Token::Word(name), _)), Some((Token::Mark(found), _))) if *found == mark => {
-                self.at += 2;
+        match &self.ahead {
+            [Some((Token::Word(name), _)), Some((Token::Mark(found), _))] if *found == mark => {
+                let name = *name;
+                self.advance();
+                self.advance();
                 Some(name)
             }
             _ => None,
@@ -141,23 +190,28 @@ impl<'a> Source<'a> {
         ProgramError::in_file(self.path, line, kind)
     }
 
+    /// Whether nothing more comes.
     pub fn ended(&self) -> bool {
-        self.at == self.tokens.len()
+        self.ahead[0].is_none() && self.fault.is_none()
     }
 
     fn next(&mut self, wanted: &str) -> Result<Token<'a>, ProgramError> {
-        let token = self.tokens.get(self.at).map(|(token, _)| token.clone());
-        let missing = wanted.to_owned();
-        let ended = || self.error(self.last_line, ProgramErrorKind::Truncated { missing });
-        let token = token.ok_or_else(ended)?;
-        self.at += 1;
+        let Some((token, _)) = &self.ahead[0] else {
+            let missing = wanted.to_owned();
+            let ended = ProgramErrorKind::Truncated { missing };
+            let kind = self.fault.take().unwrap_or(ended);
+            return Err(self.error(self.line.max(1), kind));
+        };
+        let token = token.clone();
+        self.advance();
         Ok(token)
     }
 
     /// The fault that the token last taken is not what is wanted.
     pub fn unexpected(&self, wanted: &str) -> ProgramError {
-        let (token, line) = &self.tokens[self.at.saturating_sub(1)];
-        self.error(*line, ProgramErrorKind::unexpected(&token.text(), wanted))
+        let taken = self.before.as_ref().or(self.ahead[0].as_ref());
+        let (text, line) = taken.map_or((String::new(), 1), |(token, line)| (token.text(), *line));
+        self.error(line, ProgramErrorKind::unexpected(&text, wanted))
     }
 
     pub fn word(&mut self, wanted: &str) -> Result<&'a str, ProgramError> {

@@ -5,13 +5,15 @@
 //! found together: the cheapest way through the candidates of all places (Bellman's recursion),
 //!
 //! ```text
-//! Σ (1 − s/s_max − e)⁺ Δl/W + Σ Δα² W/Δl
+//! Σ (1 − s/s_max − e)⁺ Δl/W + Σ Δθ² W/Δl
 //! ```
 //!
-//! s the swath, s_max the widest at its place, e what is given away freely, α the axis in the
-//! tangent plane, counted from across the feed, Δl the way from place to place, W the wheel's
-//! width. The second sum grows without bound where the axis jumps within a shorter and shorter way:
-//! it is turned on the way wherever that is possible.
+//! s the swath, s_max the widest at its place, e what is given away freely, Δθ the turn of the axis
+//! about the normal from place to place, Δl the way between them, W the wheel's width. Candidates
+//! are counted by α from across the feed, and Δθ = Δα + Δφ with φ the turn of the feed: an axis
+//! that keeps its angle to a feed that turns does turn. The second sum grows without bound where
+//! the axis jumps within a shorter and shorter way: it is turned on the way wherever that is
+//! possible.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -108,6 +110,13 @@ impl Place {
         }
     }
 
+    /// By how much the feed turns about the normal up to another place, rad.
+    fn feed_turn_rad(&self, next: &Self) -> f64 {
+        let (from, to, normal) = (self.across(), next.across(), next.forms.normal);
+        // The part along the normal has no share in either.
+        normal.dot(&from.cross(&to)).atan2(from.dot(&to))
+    }
+
     /// A candidate.
     fn candidate(&self, k: usize) -> Unit<Vector3<f64>> {
         let (sin, cos) = angle_rad(k).sin_cos();
@@ -173,16 +182,19 @@ pub(super) fn widest_along(
         (Some(a), Some(b)) => (b.jet.point_m - a.jet.point_m).norm() / wheel.width_m,
         _ => 0.0,
     };
-    let turns = turns();
+    let pairs = places.windows(2);
+    let turns: Vec<Turns> = pairs
+        .map(|pair| turns(pair[0].feed_turn_rad(&pair[1])))
+        .collect();
     // Least cost of the line up to each place, by the candidate there.
     let mut rows: Vec<Costs> = Vec::with_capacity(places.len());
     for (k, place) in places.iter().enumerate() {
         let own = place.costs(wheel, limit_m)?;
         let before = k.checked_sub(1).map_or(0.0, way);
         let share = 0.5 * (before + way(k));
-        let reached = match rows.last() {
-            Some(row) => reached(row, &turns, before),
-            None => [0.0; TRIED],
+        let reached = match (rows.last(), k.checked_sub(1)) {
+            (Some(row), Some(from)) => reached(row, &turns[from], before),
+            _ => [0.0; TRIED],
         };
         // A line of one place has no length.
         let share = if places.len() == 1 { 1.0 } else { share };
@@ -200,7 +212,7 @@ pub(super) fn widest_along(
     let mut next: Option<usize> = None;
     for (k, row) in rows.iter().enumerate().rev() {
         let cost = |i: usize| match next {
-            Some(j) => row[i] + turns[TRIED + j - i] / way(k).max(SHORT),
+            Some(j) => row[i] + turns[k][TRIED + j - i] / way(k).max(SHORT),
             None => row[i],
         };
         let best = (0..TRIED).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
@@ -218,18 +230,22 @@ pub(super) fn widest_along(
 /// Way between two places, over the wheel's width, below which it counts as this.
 const SHORT: f64 = 1e-9;
 
-/// Squared turn from one candidate to another, rad², the shorter way round: of i to j at
-/// `TRIED + j − i`.
-fn turns() -> [f64; 2 * TRIED] {
+/// Squared turns from one candidate to another at the place after, rad², the shorter way round: of
+/// i to j at `TRIED + j − i`.
+type Turns = [f64; 2 * TRIED];
+
+/// Those where the feed turns by an angle, rad.
+fn turns(feed_turn_rad: f64) -> Turns {
     std::array::from_fn(|k| {
-        let apart = k.abs_diff(TRIED);
-        let turn = PI * apart.min(TRIED - apart.min(TRIED)) as f64 / TRIED as f64;
+        let turn = PI * (k as f64 - TRIED as f64) / TRIED as f64 + feed_turn_rad;
+        // An axis has no sense.
+        let turn = turn - PI * (turn / PI).round();
         turn * turn
     })
 }
 
 /// Least cost to come to each candidate from any of the place before.
-fn reached(row: &Costs, turns: &[f64; 2 * TRIED], way: f64) -> Costs {
+fn reached(row: &Costs, turns: &Turns, way: f64) -> Costs {
     let per_way = 1.0 / way.max(SHORT);
     let mut least = [f64::INFINITY; TRIED];
     for (i, from) in row.iter().enumerate() {
@@ -243,96 +259,4 @@ fn reached(row: &Costs, turns: &[f64; 2 * TRIED], way: f64) -> Costs {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::surface::drawn;
-    use crate::surface_path::wheel::tests::PUBLISHED;
-
-    /// Places along u, 2 mm apart, at a v.
-    fn places(surface: &dyn Surface, v: f64) -> Vec<Place> {
-        let place = |k: u32| Place::at(surface, [f64::from(k) / 80.0, v], [1.0, 0.0]);
-        (0..=80).map(|k| place(k).expect("a normal")).collect()
-    }
-
-    fn angles_deg(places: &[Place], chosen: &[AxisTrial]) -> Vec<f64> {
-        let each = places.iter().zip(chosen);
-        each.map(|(place, one)| {
-            let along = -one.axis.dot(&place.feed);
-            (along / one.axis.dot(&place.across())).atan().to_degrees()
-        })
-        .collect()
-    }
-
-    /// Degrees from one axis to another, which have no sense.
-    fn turn_deg(a: f64, b: f64) -> f64 {
-        let turn = (a - b).rem_euclid(180.0);
-        turn.min(180.0 - turn)
-    }
-
-    /// Whether a chain of candidates that keep the limit leads from end to end by at most `most`
-    /// degrees from place to place.
-    fn has_chain(places: &[Place], limit_m: f64, most: usize) -> bool {
-        let mut open = [true; TRIED];
-        for place in places {
-            let Ok(costs) = place.costs(&PUBLISHED, limit_m) else {
-                return false;
-            };
-            let near = |k: usize| (0..=2 * most).any(|d| open[(k + TRIED + d - most) % TRIED]);
-            open = std::array::from_fn(|k| costs[k].is_finite() && near(k));
-        }
-        open.iter().any(|open| *open)
-    }
-
-    /// On patches drawn at random, with a limit little above the least that a line can keep, the
-    /// axis turns by no more than 15° in 2 mm wherever there is a line of axes that turns by 3° at
-    /// most; the choice place by place leaps on some of them.
-    #[test]
-    fn the_axis_never_leaps_where_it_can_be_turned_on_the_way() {
-        let (mut chains, mut leaps) = (0, 0);
-        for seed in 0..24 {
-            let patch = drawn::patch(&drawn::heights(seed), 6e-3, 12e-3);
-            let places = places(&patch, 0.1 + 0.8 * f64::from(seed) / 24.0);
-            let limits_m = (2..60).map(|k| 0.02e-3 * f64::from(k));
-            let mut holding = limits_m.filter(|limit_m| has_chain(&places, *limit_m, 3));
-            let Some(limit_m) = holding.next() else {
-                continue;
-            };
-            chains += 1;
-            let chosen = widest_along(&places, &PUBLISHED, limit_m).expect("axes");
-            let alone = places.iter().map(|place| {
-                let one = Place::at(&patch, place.uv, [1.0, 0.0]).expect("a normal");
-                let mut one = widest_along(&[one], &PUBLISHED, limit_m).expect("an axis");
-                one.remove(0)
-            });
-            let alone: Vec<AxisTrial> = alone.collect();
-            assert!(
-                chosen.iter().all(|one| one.edge_gap_m <= limit_m),
-                "seed {seed}"
-            );
-            let most = |chosen: &[AxisTrial]| {
-                let angles = angles_deg(&places, chosen);
-                let turns = angles.windows(2).map(|w| turn_deg(w[0], w[1]));
-                turns.fold(0.0, f64::max)
-            };
-            assert!(most(&chosen) < 15.0, "seed {seed}: {}", most(&chosen));
-            leaps += usize::from(most(&alone) > 15.0);
-        }
-        assert!(chains > 15 && leaps > 3, "{chains} {leaps}");
-    }
-
-    /// On a plane the axis keeps its angle all along: as near to across the feed as a swath takes
-    /// that is 2 % less than the widest, √(W² + 4b²).
-    #[test]
-    fn verify_the_axis_keeps_its_angle_on_a_plane() {
-        let (along, up) = (Vector3::x() * 0.1, Vector3::y() * 0.06);
-        let plane = crate::surface::PlanePatch::new(Vector3::zeros(), along, up).expect("a plane");
-        let chosen = widest_along(&places(&plane, 0.5), &PUBLISHED, 1e-3).expect("axes");
-        let widest_rad = (2.0 * chosen[0].half_width_m / PUBLISHED.width_m).atan();
-        let off_rad = (widest_rad - (1.0 - AS_WIDE).acos()).max(0.0);
-        let found = chosen.iter().map(|one| FRAC_PI_2 - one.psi_rad);
-        let degree = 1_f64.to_radians();
-        assert!(found.clone().all(|found| (found - off_rad).abs() < degree));
-        let first = FRAC_PI_2 - chosen[0].psi_rad;
-        assert!(found.clone().all(|found| (found - first).abs() < 1e-9));
-    }
-}
+mod tests;

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use truecut_core::wheel::abrasive::Abrasive;
 use truecut_core::wheel::belt::BeltWheel;
 use truecut_core::wheel::force_control::ForceControl;
+use truecut_plan::path_file::PathFile;
 use truecut_plan::surface_path::{ContactWheel, PathSetup, SurfaceSetup, Symmetry};
 
 use crate::check::Check;
@@ -15,6 +16,7 @@ use crate::control::{ControlTable, Pressed};
 use crate::error::ScenarioError;
 use crate::fault::Fault;
 use crate::path_job::PathJob;
+use crate::process::path_file::PathFileTable;
 use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room, WheelPart, hold};
 use crate::robot::RobotSpec;
 use crate::roughness::RoughnessTable;
@@ -28,6 +30,8 @@ pub struct BeltSpec {
     pub job: BeltJob,
     /// How many of the symmetric copies are finished, one after another.
     pub copies: usize,
+    /// Path from CAM, or robot program, that leads the wheel in the place of the job's lines.
+    pub path: Option<PathFile>,
     /// Speed of the belt over the face, positive along the tool's x axis.
     pub belt_m_per_s: f64,
     /// Contact wheel and belt.
@@ -71,6 +75,9 @@ pub(crate) struct BeltTable {
     /// How many of the job's copies are finished, one after another. Default: 1.
     #[schemars(range(min = 1), extend("x-rule" = "one copy at least is finished"))]
     copies: Option<usize>,
+    /// Path from a file in the place of the job's lines: what follows it is the wheel's centre, or
+    /// a place in the tool frame.
+    path: Option<PathFileTable>,
     /// Speed of the belt over the face, positive along the tool's x axis (the wheel's axis times
     /// the direction into the face).
     belt_m_per_s: f64,
@@ -118,6 +125,15 @@ impl BeltTable {
             check.wrong(TABLE, "belt_m_per_s", message, "does not run");
         }
         let polishing = self.roughness.resolve(TABLE, check);
+        let path = match self.path {
+            None => Some(None),
+            Some(path) => {
+                let because = "[process.belt.path] leads the wheel over one face";
+                check.ignored(TABLE, &["copies"], because);
+                let table = format!("{TABLE}.path");
+                path.resolve(&table, folder, check).map(Some)
+            }
+        };
         let job = read_job(&self.job, folder, check)?;
         check_rubber(self.rubber_mm, &self.job, &job.wheel, check);
         let control = match self.control {
@@ -125,7 +141,11 @@ impl BeltTable {
             Some(table) => {
                 let pressed = Pressed::ByPath {
                     indentation_m: job.wheel.indentation_m,
-                    lift_m: job.path.lift_m,
+                    // How far a path from a file is lifted is its own affair.
+                    lift_m: match path {
+                        Some(Some(_)) => f64::INFINITY,
+                        _ => job.path.lift_m,
+                    },
                 };
                 let control = table.resolve(&format!("{TABLE}.control"), &pressed, check);
                 control.map(|(control, _)| control)
@@ -134,6 +154,7 @@ impl BeltTable {
         Some(BeltSpec {
             control: control?,
             copies: copies(self.copies, &self.job, &job, check)?,
+            path: path?,
             belt_m_per_s: self.belt_m_per_s,
             wheel: BeltWheel {
                 radius_m: job.wheel.radius_m,
@@ -330,7 +351,7 @@ impl Room for BeltSpec {
                 "tool.displacement_x",
             ],
             knobs: KNOBS,
-            files: &["job"],
+            files: &["job", "path.file"],
             needs_drive: Some("belt"),
             needs_robot: true,
             modes: ModesIn::Scenario,

@@ -10,7 +10,7 @@ use crate::foot::FootSpec;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
     /// Angular speed of what turns (spindle, wheel, workpiece), rad/s, above 0; `None` if nothing
-    /// turns.
+    /// turns, or not at one speed.
     pub rate_rad_s: Option<f64>,
     /// How long the process takes by itself, s; infinite if its data or the plan of its path says;
     /// `None` if it does not end by itself.

@@ -11,6 +11,7 @@ use truecut_core::cutting::chamfer::CuttingCoefficients;
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::layered::stock::{Block, Hole};
 use truecut_core::cutting::milling::layered::way::{COARSEST, MOST_NODES};
+use truecut_plan::cam::SpindleSpeed;
 use truecut_plan::path_file::PathFile;
 
 use crate::check::Check;
@@ -31,7 +32,7 @@ pub struct PathMillingSpec {
     /// Cutting force coefficients.
     pub coefficients: CuttingCoefficients,
     /// Spindle speed.
-    pub spindle_rad_s: f64,
+    pub spindle: SpindleSpec,
     /// Angle of the first tooth at the start, from the work frame's y towards its x.
     pub start_angle_rad: f64,
     /// Path from CAM, or robot program.
@@ -46,10 +47,56 @@ pub struct PathMillingSpec {
     pub attached: AttachedModes,
 }
 
+/// Speed of a spindle along a path.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SpindleSpec {
+    /// One speed all the time, rad/s.
+    Steady(f64),
+    /// Those that the path's file gives, one at least.
+    OfFile(Vec<SpindleSpeed>),
+}
+
+impl SpindleSpec {
+    /// Speeds, rad/s, each with the point of the path at which it comes on; the first one is there
+    /// from the start on.
+    pub fn speeds_rad_s(&self) -> Vec<(usize, f64)> {
+        match self {
+            Self::Steady(rad_s) => vec![(0, *rad_s)],
+            Self::OfFile(speeds) => {
+                let each = speeds.iter();
+                each.map(|one| (one.from, from_rpm(one.rpm))).collect()
+            }
+        }
+    }
+
+    /// The one speed, rad/s, where it never changes.
+    pub fn steady_rad_s(&self) -> Option<f64> {
+        let speeds = self.speeds_rad_s();
+        let [(_, first), others @ ..] = &speeds[..] else {
+            return None;
+        };
+        others
+            .iter()
+            .all(|(_, rad_s)| rad_s == first)
+            .then_some(*first)
+    }
+
+    /// The fastest, rad/s.
+    pub fn fastest_rad_s(&self) -> f64 {
+        let speeds = self.speeds_rad_s().into_iter();
+        speeds.map(|(_, rad_s)| rad_s).fold(0.0, f64::max)
+    }
+}
+
 impl PathMillingSpec {
-    /// Time between two teeth.
+    /// Least time between two teeth.
     pub fn tooth_period_s(&self) -> f64 {
-        TAU / (self.spindle_rad_s * self.cutter.teeth as f64)
+        self.tooth_period_at_s(self.spindle.fastest_rad_s())
+    }
+
+    /// Time between two teeth at a spindle speed, rad/s.
+    pub fn tooth_period_at_s(&self, spindle_rad_s: f64) -> f64 {
+        TAU / (spindle_rad_s * self.cutter.teeth as f64)
     }
 }
 
@@ -57,9 +104,9 @@ impl PathMillingSpec {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PathMillingTable {
-    /// Spindle speed.
+    /// Spindle speed. Default: what the path from CAM says (S, SPINDL), with its changes.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the spindle turns"))]
-    spindle_rpm: f64,
+    spindle_rpm: Option<f64>,
     /// Angle of the first tooth at the start, from the work frame's y towards its x. Default: 0.
     start_angle_deg: Option<f64>,
     /// The end mill.
@@ -131,20 +178,69 @@ impl PathMillingTable {
         check.ignored(&format!("{TABLE}.path"), &keys, because);
         let path = self.path.resolve(&format!("{TABLE}.path"), folder, check);
         let stock = self.stock.resolve(cutter.radius_m, check);
-        let spindle_rad_s = from_rpm(self.spindle_rpm);
+        let path = path?;
+        let spindle = match self.spindle_rpm {
+            Some(rpm) => SpindleSpec::Steady(from_rpm(rpm)),
+            None => spindle_of_file(&path, !attached.over_speed.is_empty(), check)?,
+        };
         let (block, holes, grid_m) = stock?;
         Some(PathMillingSpec {
             cutter,
             coefficients: cutting?.0,
-            spindle_rad_s,
+            attached: attached.at(spindle.fastest_rad_s()),
+            spindle,
             start_angle_rad: from_deg(self.start_angle_deg.unwrap_or(0.0)),
-            path: path?,
+            path,
             block,
             holes,
             grid_m,
-            attached: attached.at(spindle_rad_s),
         })
     }
+}
+
+/// Speeds that a path's file gives, or `None` after recording a fault.
+fn spindle_of_file(
+    path: &PathFile,
+    modes_over_speed: bool,
+    check: &mut Check,
+) -> Option<SpindleSpec> {
+    let cam = match path.cam() {
+        Ok(cam) => cam,
+        Err(error) => {
+            let key = format!("{TABLE}.path.file");
+            check.refuse(Fault::value(&key, error.to_string(), "cannot be read"));
+            return None;
+        }
+    };
+    let file = path.file.display();
+    let said = match cam {
+        None => Err(format!("{file} is a robot program, which gives no speed")),
+        Some(cam) => cam.spindle_speeds().map_err(|(line, kind)| {
+            let line = line.map_or_else(String::new, |line| format!(":{line}"));
+            format!("{file}{line}: {kind}")
+        }),
+    };
+    let speeds = match said {
+        Ok(speeds) => speeds,
+        Err(why) => {
+            let key = format!("{TABLE}.spindle_rpm");
+            let message = format!(
+                "missing key `spindle_rpm` in [{TABLE}], and the path's file does not say the speed: {why}"
+            );
+            check.refuse(Fault::key(&key, message, "`spindle_rpm` is missing here"));
+            return None;
+        }
+    };
+    let spindle = SpindleSpec::OfFile(speeds);
+    if modes_over_speed && spindle.steady_rad_s().is_none() {
+        let message = format!(
+            "`{TABLE}.path.file`: {file} changes the spindle's speed, but modes that are given over it are taken              at one: give `spindle_rpm`"
+        );
+        let key = format!("{TABLE}.path.file");
+        check.refuse(Fault::value(&key, message, "changes the speed"));
+        return None;
+    }
+    Some(spindle)
 }
 
 impl StockTable {
@@ -212,7 +308,7 @@ impl Room for PathMillingSpec {
 
     fn facts(&self) -> Facts {
         Facts {
-            rate_rad_s: Some(self.spindle_rad_s),
+            rate_rad_s: self.spindle.steady_rad_s(),
             natural_duration_s: Some(f64::INFINITY),
             signals: &[
                 "path_milling.torque",

@@ -9,14 +9,13 @@ pub(crate) mod straight;
 
 use crate::command::Samples;
 use crate::error::SimError;
-use crate::process::Station;
+use crate::process::{Passes, Station};
 use nalgebra::Isometry3;
 use std::sync::Arc;
 use truecut_arm::{Load, Robot};
 use truecut_plan::motion::lines::CopyAt;
 use truecut_plan::path_file::Way;
 use truecut_plan::surface::{Mesh, PatchFile};
-use truecut_plan::surface_path::SurfacePath;
 
 /// Time between knots of the command, s.
 pub(crate) const KNOT_INTERVAL_S: f64 = 5e-3;
@@ -51,8 +50,8 @@ pub(crate) enum Target {
 #[derive(Debug)]
 pub(crate) struct BeltLines {
     pub patch: Arc<PatchFile>,
-    /// The lines on the patch, in its frame.
-    pub lines: SurfacePath,
+    /// Where the wheel touches it.
+    pub passes: Passes,
     /// The copies, in the order in which they are finished.
     pub copies: Vec<CopyAt>,
 }

@@ -25,6 +25,7 @@ mod wheel;
 mod yielding;
 
 pub use belt::{Belt, BeltSetup, Cells, cells_within};
+pub(crate) use belt::{NoPasses, Passes};
 pub use brush::{BrushProcess, BrushSetup, Station};
 pub use chamfer::{Chamfer, ChamferParameters, SlipTheory};
 pub use custom::OwnProcess;

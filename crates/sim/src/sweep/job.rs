@@ -1,5 +1,6 @@
 //! One combination of a sweep's values, run alone.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::error::SimError;
@@ -10,8 +11,10 @@ use truecut_scenario::{BisectSpec, Scenario, SweepSpec};
 /// One combination of the axes' values.
 #[derive(Debug, Clone)]
 pub struct Job {
-    scenario: Scenario,
-    sweep: SweepSpec,
+    /// One for all jobs: its text holds the values of the axes, so that copies would take memory as
+    /// the square of their number.
+    scenario: Arc<Scenario>,
+    sweep: Arc<SweepSpec>,
     /// Keys and values, as for `--set`.
     pub overrides: Vec<(String, String)>,
 }
@@ -84,11 +87,12 @@ pub fn jobs(scenario: &Scenario) -> Vec<Job> {
             })
             .collect();
     }
+    let (scenario, sweep) = (Arc::new(scenario.clone()), Arc::new(sweep.clone()));
     combinations
         .into_iter()
         .map(|overrides| Job {
-            scenario: scenario.clone(),
-            sweep: sweep.clone(),
+            scenario: Arc::clone(&scenario),
+            sweep: Arc::clone(&sweep),
             overrides,
         })
         .collect()

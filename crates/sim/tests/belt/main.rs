@@ -5,6 +5,7 @@ mod control;
 mod copies;
 mod effects;
 mod engines;
+mod path_file;
 mod plane;
 #[path = "../support/mod.rs"]
 mod shared;

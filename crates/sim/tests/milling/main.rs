@@ -6,5 +6,6 @@ mod crossings;
 mod forces;
 mod limits;
 mod reduced;
+mod spindle;
 mod support;
 mod tool_modes;

@@ -7,7 +7,6 @@ use arrow::array::{Array, Float64Array, RecordBatch};
 use arrow::compute::cast;
 use arrow::datatypes::{DataType, Fields, TimeUnit};
 use arrow::ipc::reader::{FileReader, StreamReader};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use truecut_recording::measured::{Column, Table};
 
 use crate::bounded::Bounded;
@@ -20,7 +19,7 @@ const ARROW_FILE: &[u8] = b"ARROW1";
 const UNIT: &str = "unit";
 
 pub(super) fn parquet_table(path: &Path) -> Result<Table, Reason> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(Bounded::open(path)?)?;
+    let builder = Bounded::open(path)?;
     let mut table = empty(builder.schema().fields())?;
     for batch in builder.with_batch_size(65_536).build()? {
         append(&mut table, &batch?)?;

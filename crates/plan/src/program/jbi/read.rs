@@ -185,6 +185,7 @@ impl<'a> JobReader<'a> {
             self.job.stations.insert(number, (pulses as f64, self.line));
             return Ok(());
         }
+        ProgramErrorKind::unless_too_many(self.job.positions.len() + 1)?;
         let value = if kind == "PULSE" {
             let pulses = values
                 .split(',')
@@ -258,6 +259,7 @@ impl<'a> JobReader<'a> {
             self.notes
                 .add(self.line, format!("{} is left aside", idle.trim()));
         } else if !line.starts_with('\'') {
+            ProgramErrorKind::unless_too_many(self.job.moves.len() + 1)?;
             let step = self.move_of(line)?;
             self.job.moves.push(step);
             self.next_point += 1;

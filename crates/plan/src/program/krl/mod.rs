@@ -33,7 +33,7 @@ const NO_LOAD_KG: f64 = -1.0;
 /// Status and turn of a position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StatusTurn {
-    /// 1 if the wrist centre is behind axis 1, plus 2 for the elbow up, plus 4 for a positive axis
+    /// 1 if the wrist centre is behind axis 1, plus 2 for the elbow up, plus 4 for a negative axis
     /// 5.
     pub status: u8,
     /// A bit for each axis whose angle is negative; `None` if the file does not say.
@@ -49,7 +49,7 @@ impl StatusTurn {
         Self {
             status: u8::from(branch.shoulder == Shoulder::Rear)
                 + 2 * u8::from(branch.elbow == Elbow::Upper)
-                + 4 * u8::from(branch.wrist == Wrist::Positive),
+                + 4 * u8::from(branch.wrist == Wrist::Negative),
             turn: Some((0..6).map(bit).sum()),
         }
     }
@@ -66,7 +66,7 @@ impl Flags for StatusTurn {
 
     fn branch_excess(&self, geometry: &OpwGeometry, q: &[f64]) -> f64 {
         let bit = |bit: u8| self.status & bit != 0;
-        branch_excess(geometry, q, [Some(bit(1)), Some(!bit(2)), Some(!bit(4))])
+        branch_excess(geometry, q, [Some(bit(1)), Some(!bit(2)), Some(bit(4))])
     }
 
     fn text(&self) -> String {

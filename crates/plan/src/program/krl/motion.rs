@@ -62,6 +62,8 @@ impl KrlReader<'_> {
             }
         };
         let goal = self.goal(&target).map_err(|kind| self.fault(kind))?;
+        ProgramErrorKind::unless_too_many(self.steps.len() + 1)
+            .map_err(|kind| self.source.error(line, kind))?;
         self.steps.push(Step {
             line,
             path_point: name.strip_prefix("XP").and_then(|n| n.parse().ok()),

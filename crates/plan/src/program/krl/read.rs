@@ -85,7 +85,7 @@ pub(super) fn read(
     let output = settings.spindle_number();
     let output = output.map_err(ProgramErrorKind::from)?;
     let mut reader = KrlReader {
-        source: Source::new(&source, &source_file, &SYNTAX)?,
+        source: Source::new(&source, &source_file, &SYNTAX),
         path: &source_file,
         positions,
         output,

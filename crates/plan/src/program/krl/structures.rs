@@ -20,7 +20,7 @@ pub(super) fn read_data(
     path: &Path,
     positions: &mut BTreeMap<String, Numbers>,
 ) -> Result<(), ProgramError> {
-    let mut source = Source::new(text, path, &SYNTAX)?;
+    let mut source = Source::new(text, path, &SYNTAX);
     let wanted = "DEFDAT, declarations or ENDDAT";
     let mut begun = false;
     loop {

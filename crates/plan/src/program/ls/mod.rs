@@ -35,7 +35,7 @@ const SYNTAX: Syntax = Syntax {
 /// Configuration of a position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Config {
-    /// F: axis 5 positive; N: negative.
+    /// N: with axis 4 at zero axis 5 bends the tool down from the forearm; F: up.
     pub flip: bool,
     /// U: the elbow up; D: down.
     pub up: bool,
@@ -51,7 +51,7 @@ impl Config {
     pub fn of(geometry: &OpwGeometry, q: &[f64]) -> Self {
         let branch = geometry.branch(q);
         Self {
-            flip: branch.wrist == Wrist::Positive,
+            flip: branch.wrist == Wrist::Negative,
             up: branch.elbow == Elbow::Upper,
             front: branch.shoulder == Shoulder::Front,
             turns: TURN_JOINTS.map(|joint| (q[joint] / std::f64::consts::TAU).round() as i32),
@@ -110,7 +110,7 @@ impl Flags for Config {
         branch_excess(
             geometry,
             q,
-            [Some(!self.front), Some(!self.up), Some(!self.flip)],
+            [Some(!self.front), Some(!self.up), Some(self.flip)],
         )
     }
 

@@ -20,7 +20,7 @@ pub(super) struct Position {
 /// Reads `P[1]{ … };` up to `/END`. `text` is the whole file with the lines before blanked, so that
 /// lines count as in the file.
 pub(super) fn read(text: &str, path: &Path) -> Result<BTreeMap<u32, Position>, ProgramError> {
-    let mut source = Source::new(text, path, &SYNTAX)?;
+    let mut source = Source::new(text, path, &SYNTAX);
     let mut all = BTreeMap::new();
     loop {
         let line = source.line();
@@ -38,6 +38,8 @@ pub(super) fn read(text: &str, path: &Path) -> Result<BTreeMap<u32, Position>, P
             source.expect(&["]"])?;
         }
         source.expect(&["{"])?;
+        ProgramErrorKind::unless_too_many(all.len() + 1)
+            .map_err(|kind| source.error(line, kind))?;
         let mut position = Position {
             line,
             ..Position::default()

@@ -282,6 +282,7 @@ impl LsReader {
             self.notes
                 .add(line, format!("{word} of a move is left aside"));
         }
+        ProgramErrorKind::unless_too_many(self.steps.len() + 1)?;
         self.steps.push(Step {
             line,
             path_point: number.checked_sub(1).map(|number| number as usize),

@@ -7,9 +7,9 @@ use super::data::{Data, Datum, datum};
 use super::module::RapidModule;
 use super::run::Runner;
 use super::{SYNTAX, check_name};
-use crate::program::ProgramError;
 use crate::program::reading::Notes;
 use crate::program::source::{Source, Value};
+use crate::program::{ProgramError, ProgramErrorKind};
 
 /// Instructions that move nothing; they are left aside with a note.
 const IDLE: &[&str] = &[
@@ -87,6 +87,8 @@ pub(super) struct ModuleReader<'a> {
     pub path: &'a Path,
     pub data: Data,
     targets: BTreeMap<String, usize>,
+    /// How many moves all procedures hold.
+    moves: usize,
     pub procedures: Vec<(&'a str, Vec<(Instruction<'a>, usize)>)>,
     notes: Notes,
 }
@@ -99,10 +101,11 @@ impl RapidModule {
     pub fn parse(text: &str, path: &Path) -> Result<Self, ProgramError> {
         let text = &without_head(text);
         let mut reader = ModuleReader {
-            source: Source::new(text, path, &SYNTAX)?,
+            source: Source::new(text, path, &SYNTAX),
             path,
             data: Data::default(),
             targets: BTreeMap::new(),
+            moves: 0,
             procedures: Vec::new(),
             notes: Notes::default(),
         };
@@ -180,6 +183,7 @@ impl<'a> ModuleReader<'a> {
         let read = datum(kind, name, &value).and_then(|datum| match datum {
             Some(datum) => {
                 if let Datum::Target(_) = datum {
+                    ProgramErrorKind::unless_too_many(self.targets.len() + 1)?;
                     self.targets.insert(name.to_lowercase(), line);
                 }
                 self.data.insert(name, datum, line)
@@ -233,6 +237,9 @@ impl<'a> ModuleReader<'a> {
                 _ if self.source.take(";") => Instruction::Call(word),
                 _ => return Err(self.source.unexpected(WANTED)),
             };
+            self.moves += usize::from(matches!(instruction, Instruction::Move(_)));
+            ProgramErrorKind::unless_too_many(self.moves)
+                .map_err(|kind| self.source.error(line, kind))?;
             body.push((instruction, line));
         }
         self.procedures.push((name, body));

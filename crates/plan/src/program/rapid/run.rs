@@ -12,8 +12,6 @@ use crate::program::{ProgramError, ProgramErrorKind};
 
 /// How deep procedures may call one another.
 const CALL_DEPTH: usize = 16;
-/// Most moves that calls may add up to.
-const MOST_MOVES: usize = 1_000_000;
 
 /// The module while it is run through.
 pub(super) struct Runner<'a> {
@@ -92,13 +90,7 @@ impl<'a> Runner<'a> {
     }
 
     fn motion(&mut self, text: &MoveText<'a>, line: usize) -> Result<(), ProgramErrorKind> {
-        let count = self.module.moves.len();
-        ProgramErrorKind::unless(
-            count < MOST_MOVES,
-            "the number of moves",
-            count + 1,
-            "1000000 at most",
-        )?;
+        ProgramErrorKind::unless_too_many(self.module.moves.len() + 1)?;
         self.take_tool(text.tool)?;
         let base_from_wobj = self.take_base(text.base)?;
         let data = &self.reader.data;

@@ -53,15 +53,15 @@ pub(super) fn value(
 ) -> Result<Value, ProgramError> {
     let fault = |source: &Source<'_>, kind| source.error(source.last_line(), kind);
     if depth > 8 {
-        let kind = ProgramErrorKind::value("the depth of calls", depth, "at most 8");
+        let kind = ProgramErrorKind::value("the depth of calls and lists", depth, "at most 8");
         return Err(fault(source, kind));
     }
     if source.comes("[") {
-        return Ok(Value::List(list(source, variables)?));
+        return Ok(Value::List(list(source, variables, depth)?));
     }
     let word = source.word("a value")?;
     if word == "p" && source.comes("[") {
-        let numbers = list(source, variables)?;
+        let numbers = list(source, variables, depth)?;
         let six: [f64; 6] = numbers.try_into().map_err(|numbers: Vec<f64>| {
             let kind = ProgramErrorKind::Fields {
                 what: "a pose".to_owned(),
@@ -104,11 +104,15 @@ pub(super) fn value(
     }
 }
 
-fn list(source: &mut Source<'_>, variables: &Variables) -> Result<Vec<f64>, ProgramError> {
+fn list(
+    source: &mut Source<'_>,
+    variables: &Variables,
+    depth: usize,
+) -> Result<Vec<f64>, ProgramError> {
     source.expect(&["["])?;
     let mut numbers = Vec::new();
     loop {
-        match value(source, variables, 8)? {
+        match value(source, variables, depth + 1)? {
             Value::Number(number) => numbers.push(number),
             _ => return Err(source.unexpected("a number")),
         }

@@ -65,7 +65,7 @@ pub(super) fn read(
         Some((i + 2, number.trim().parse().ok()?))
     };
     let mut reader = ScriptReader {
-        source: Source::new(&text, file, &SYNTAX)?,
+        source: Source::new(&text, file, &SYNTAX),
         variables: Variables::new(),
         output,
         points: text.lines().enumerate().filter_map(point).collect(),
@@ -250,6 +250,7 @@ impl ScriptReader<'_> {
         if let Some(point) = self.points.get(&line) {
             self.next_point = *point;
         }
+        ProgramErrorKind::unless_too_many(self.steps.len() + 1)?;
         self.steps.push(Step {
             line,
             path_point: Some(self.next_point),

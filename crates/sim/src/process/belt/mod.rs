@@ -18,12 +18,14 @@
 mod carrier_tests;
 mod contact;
 mod geometry;
+mod passes;
 mod report;
 pub(crate) mod setup;
 mod surface;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use passes::{NoPasses, Passes};
 pub use surface::{Cells, cells_within};
 
 use super::quantity::{self, Quantity};

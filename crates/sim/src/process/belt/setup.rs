@@ -8,7 +8,6 @@ use crate::process::{Belt, BeltSetup, Cells, ProcessSetup, SetupContext, cells_w
 use crate::scene::{Tooling, shapes};
 use std::sync::Arc;
 use truecut_core::wheel::belt::BeltWheel;
-use truecut_plan::surface_path::Contact;
 use truecut_scenario::{BeltSpec, ProcessSpec};
 
 /// Most cells of all copies: their maps fit into memory and onto a screen.
@@ -21,7 +20,8 @@ pub(crate) fn setup(spec: &BeltSpec, context: &SetupContext<'_>) -> Result<Proce
     // What the belt does to the face along its job's lines does not change them.
     let is_same = |other: &ProcessSpec| {
         matches!(other, ProcessSpec::Belt(other)
-            if spec.job == other.job && spec.copies == other.copies && spec.cell_m == other.cell_m)
+            if spec.job == other.job && spec.copies == other.copies && spec.cell_m == other.cell_m
+                && spec.path == other.path)
     };
     let path = context.planned(&near, is_same, || motion::belt::solve(spec, robot, &near))?;
     let Target::Lines(lines) = &path.target else {
@@ -54,13 +54,6 @@ fn belt(
     let is_face = cells_within(&cells, path.patch.clone());
     let of_face = area_m2.iter().zip(&is_face).filter(|(_, within)| **within);
     let face_m2: f64 = of_face.map(|(area, _)| area).sum();
-    let contacts = || path.lines.lines.iter().flatten();
-    let Some(first) = contacts().next() else {
-        return Err(SimError::scenario(
-            "process.belt.job",
-            "the job has no lines",
-        ));
-    };
     let copies = path.copies.clone();
     Ok(BeltSetup {
         // A stiffer wheel has stiffer rubber; the belt's tension is another matter.
@@ -75,10 +68,10 @@ fn belt(
         belt_m_per_s: spec.belt_m_per_s,
         patch: path.patch.clone(),
         process_from_world: from.process_from_world(),
-        swept: swept(path),
+        swept: path.passes.swept,
         indentation_m: spec.job.wheel.indentation_m,
-        first_normal: copies[0].world_from_patch.rotation * first.normal.into_inner(),
-        chord_m: chord_m(spec, path),
+        first_normal: copies[0].world_from_patch.rotation * path.passes.first_normal.into_inner(),
+        chord_m: path.passes.chord_m,
         expected_depth_m: expected_depth_m(spec, path, face_m2),
         area_m2: Arc::new(area_m2),
         is_face: Arc::new(is_face),
@@ -117,47 +110,12 @@ fn check_cells(spec: &BeltSpec, cells: &Cells) -> Result<(), SimError> {
     ))
 }
 
-/// How far the straight lines of the job's program leave the face at most, m.
-fn chord_m(spec: &BeltSpec, path: &BeltLines) -> f64 {
-    let chords = (path.lines).chords(path.patch.surface.as_ref(), &spec.job.wheel);
-    let each = chords.iter().flatten();
-    each.map(|chord| chord.largest_m()).fold(0.0, f64::max)
-}
-
-/// Preston's law for the job's line load over all lines, spread over the face:
-/// `k_p v F L / (v_f A)`.
+/// Preston's law for the job's line load over all passes, spread over the face:
+/// `k_p v F t / A`.
 fn expected_depth_m(spec: &BeltSpec, path: &BeltLines, face_m2: f64) -> f64 {
-    let length_m: f64 = (path.lines.lines.iter())
-        .flat_map(|line| line.windows(2))
-        .map(|pair: &[Contact]| (pair[1].point_m - pair[0].point_m).norm())
-        .sum();
     let force_n = spec.job.wheel.line_load_n_per_m * spec.job.wheel.width_m;
-    let time_s = length_m / spec.job.path.feed_m_per_s;
+    let time_s = path.passes.time_s;
     spec.abrasive.preston_per_pa * spec.belt_m_per_s.abs() * force_n * time_s / face_m2
-}
-
-/// Parameters between the outermost lines and their ends, twice the half-width of the contact line
-/// short of these: there a pass is whole.
-fn swept(path: &BeltLines) -> [[f64; 2]; 2] {
-    let inner = path.lines.lines.iter().flat_map(|line| {
-        let ends = [line.first(), line.last()];
-        line.iter().filter(move |contact| {
-            let clear_m = 2.0 * contact.half_width_m;
-            let away = |end: &&Contact| (contact.point_m - end.point_m).norm() >= clear_m;
-            ends.iter().flatten().all(away)
-        })
-    });
-    let inner: Vec<&Contact> = inner.collect();
-    [
-        range(inner.iter().map(|c| c.u)),
-        range(inner.iter().map(|c| c.v)),
-    ]
-}
-
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-        [low.min(x), high.max(x)]
-    })
 }
 
 /// The boundary of the face, or the border of its patch, closed, in the patch's frame.

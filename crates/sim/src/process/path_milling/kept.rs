@@ -50,37 +50,57 @@ pub(super) struct Kept {
     pub stretch_m: f64,
     pub stretches: Vec<Stretch>,
     pub force_n: Peak,
-    pub torque_n_m: Peak,
+    /// At each speed of the spindle.
+    torque_n_m: Vec<Peak>,
     pub largest_deflection_m: f64,
     /// Steps since teeth cut last.
     idle: usize,
-    /// Steps between two teeth that cut alike.
-    period: usize,
+    /// Steps between two teeth that cut alike, at each speed of the spindle.
+    periods: Vec<usize>,
+    /// Which of the speeds holds.
+    speed: usize,
     /// Deflections of the last period, the latest last.
     before_m: VecDeque<Vector3<f64>>,
 }
 
 impl Kept {
-    pub fn new(length_m: f64) -> Self {
+    /// `periods` are the steps between two teeth that cut alike, at each speed of the spindle.
+    pub fn new(length_m: f64, periods: impl IntoIterator<Item = f64>) -> Self {
         let stretch_m = (length_m / STRETCHES as f64).max(SHORTEST_M);
         let count = (length_m / stretch_m).ceil() as usize + 1;
+        let each = periods.into_iter();
+        let periods: Vec<usize> = each.map(|steps| (steps.round() as usize).max(1)).collect();
         Self {
             stretch_m,
             stretches: vec![Stretch::default(); count],
             force_n: Peak::default(),
-            torque_n_m: Peak::default(),
+            torque_n_m: vec![Peak::default(); periods.len()],
             largest_deflection_m: 0.0,
             idle: usize::MAX,
-            period: 1,
+            periods,
+            speed: 0,
             before_m: VecDeque::new(),
         }
     }
 
-    pub fn with_period(self, steps: f64) -> Self {
-        Self {
-            period: (steps.round() as usize).max(1),
-            ..self
+    /// The spindle runs at this one of its speeds.
+    pub fn at_speed(&mut self, speed: usize) {
+        if speed != self.speed {
+            self.speed = speed;
+            self.pause();
         }
+    }
+
+    /// What comes is not to be compared with what was.
+    fn pause(&mut self) {
+        self.before_m.clear();
+        self.force_n.pause();
+        self.torque_n_m.iter_mut().for_each(Peak::pause);
+    }
+
+    /// Largest torque at each speed of the spindle, N m.
+    pub fn torques_n_m(&self) -> impl Iterator<Item = f64> {
+        self.torque_n_m.iter().map(|peak| peak.largest)
     }
 
     /// A step, by which the cut has come; of an arm that swings in air nothing is kept.
@@ -89,10 +109,9 @@ impl Kept {
             true => 0,
             false => self.idle.saturating_add(1),
         };
-        if self.idle > self.period {
-            self.before_m.clear();
-            self.force_n.pause();
-            self.torque_n_m.pause();
+        let period = self.periods[self.speed];
+        if self.idle > period {
+            self.pause();
             return;
         }
         let index = ((step.along_m / self.stretch_m) as usize).min(self.stretches.len() - 1);
@@ -102,7 +121,7 @@ impl Kept {
         stretch.count += 1;
         stretch.force_n2 += force_n * force_n;
         stretch.deflection_m2 += in_plane.norm_squared();
-        if self.before_m.len() == self.period {
+        if self.before_m.len() == period {
             let before = self.before_m.pop_front().unwrap_or_default();
             stretch.changes += 1;
             stretch.change_m2 += (in_plane - before.xy()).norm_squared();
@@ -121,7 +140,7 @@ impl Kept {
         let torque_n_m = |loads: &MillingLoads| loads.moment_on_tool_n_m.z.abs();
         let (rotation_rad, now) = (at.rotation_rad, &step.loads);
         (self.force_n).add(rotation_rad, force_n(now), |at| force_n(&loads(at)));
-        (self.torque_n_m).add(rotation_rad, torque_n_m(now), |at| torque_n_m(&loads(at)));
+        self.torque_n_m[self.speed].add(rotation_rad, torque_n_m(now), |at| torque_n_m(&loads(at)));
     }
 
     /// Half of the way between the extremes of the last period's deflections, m.

@@ -10,6 +10,7 @@ mod nominal;
 mod peak;
 mod report;
 pub(crate) mod setup;
+mod spindle;
 
 use super::modes::{self, Modes, TipMotion};
 use super::quantity;
@@ -20,6 +21,7 @@ use crate::stability::known::beyond_table;
 use kept::Kept;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use nominal::{NominalPath, OnPath};
+use spindle::{SpindleCourse, speeds_told};
 use std::f64::consts::TAU;
 use truecut_core::cutting::milling::cut::MillingLoads;
 use truecut_core::cutting::milling::layered::cut::{LayeredCut, ToolPlace};
@@ -27,7 +29,7 @@ use truecut_core::cutting::milling::layered::walls::Walls;
 use truecut_core::cutting::milling::layered::way::{Leg, Meant};
 use truecut_plan::cam::SpindleAtCuts;
 use truecut_recording::{ChannelSpec, Field, Outcome};
-use truecut_scenario::PathMillingSpec;
+use truecut_scenario::{PathMillingSpec, SpindleSpec};
 
 /// All that a pass is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +42,9 @@ pub struct PathMillingSetup {
     /// Lines of the file that its points come from.
     lines: Vec<Option<usize>>,
     /// What the file says of the spindle; `None` of a robot program.
-    spindle: Option<SpindleAtCuts>,
+    said: Option<SpindleAtCuts>,
+    /// How the spindle turns.
+    spindle: SpindleCourse,
     /// What it means for the stock.
     meant: Meant,
     pub world_from_work: Isometry3<f64>,
@@ -111,7 +115,7 @@ impl PathMilling {
     pub fn new(setup: PathMillingSetup) -> Self {
         Self {
             cut: setup.cut(setup.nominal.at(0.0).place_m),
-            kept: Kept::new(setup.nominal.length_m()),
+            kept: Kept::new(setup.nominal.length_m(), [1.0]),
             setup,
             step_s: 0.0,
             last: MillingStep::default(),
@@ -123,7 +127,7 @@ impl PathMilling {
     }
 
     fn rotation_rad(&self, time_s: f64) -> f64 {
-        self.setup.spec.start_angle_rad + self.setup.spec.spindle_rad_s * time_s
+        self.setup.spindle.rotation_rad(time_s)
     }
 
     /// Deflection of the arm's tool point from the path and its rate, work frame.
@@ -149,10 +153,11 @@ impl PathMilling {
     /// Where the cut stands a time ahead of an instant at which the tip is off the path.
     fn place(&self, time_s: f64, off: &TipMotion, ahead_s: f64) -> ToolPlace {
         let on = self.setup.nominal.at(time_s + ahead_s);
+        let spindle_rad_s = self.setup.spindle.rad_s(time_s + ahead_s);
         ToolPlace {
             rotation_rad: self.rotation_rad(time_s + ahead_s),
             place_m: on.place_m + off.deflection_m + off.rate_m_per_s * ahead_s,
-            vibration_m_per_rad: off.rate_m_per_s / self.setup.spec.spindle_rad_s,
+            vibration_m_per_rad: off.rate_m_per_s / spindle_rad_s,
         }
     }
 
@@ -195,8 +200,11 @@ impl Process for PathMilling {
             true => 1,
             false => s.spec.cutter.teeth,
         };
-        let period_s = s.spec.tooth_period_s() * teeth as f64;
-        self.kept = Kept::new(s.nominal.length_m()).with_period(period_s / start.time_step_s);
+        let periods = s.spindle.speeds_rad_s().map(|rad_s| {
+            let period_s = s.spec.tooth_period_at_s(rad_s) * teeth as f64;
+            period_s / start.time_step_s
+        });
+        self.kept = Kept::new(s.nominal.length_m(), periods);
         self.last = MillingStep {
             deflection_m: offset_m,
             ..MillingStep::default()
@@ -231,7 +239,7 @@ impl Process for PathMilling {
         let wrench = &loads.wrenches[0];
         let loads = self.cut.evaluate(&at);
         let removal = loads.removal_m3_per_rad;
-        let turned_rad = self.setup.spec.spindle_rad_s * dt_s;
+        let turned_rad = self.setup.spindle.rad_s(state.time_s) * dt_s;
         self.last = MillingStep {
             force_on_tool_n: work_from_process * wrench.force_n,
             moment_on_tool_n_m: work_from_process * wrench.moment_n_m,
@@ -247,6 +255,8 @@ impl Process for PathMilling {
         }
         self.cut.commit(&at);
         if !self.rows_only {
+            let speed = self.setup.spindle.index(state.time_s);
+            self.kept.at_speed(speed);
             self.kept.add(&self.last, &self.cut);
         }
         let axes = state.world_from_tool.rotation.to_rotation_matrix();
@@ -317,13 +327,26 @@ impl Process for PathMilling {
 
     fn notes(&self) -> Vec<String> {
         let spec = &self.setup.spec;
-        // Turned back from rad/s: without what rounding adds.
-        let rpm = (spec.spindle_rad_s * 60.0 / TAU * 1e6).round() / 1e6;
-        let file = self.setup.spindle.iter();
-        let file = file.flat_map(|one| one.contradictions(rpm));
-        beyond_table(&spec.attached, spec.spindle_rad_s)
+        beyond_table(&spec.attached, spec.spindle.fastest_rad_s())
             .into_iter()
-            .chain(file.map(|note| format!("process.path_milling.path.file: {note}")))
+            .chain(self.of_the_file())
             .collect()
+    }
+}
+
+impl PathMilling {
+    /// What there is to tell of the spindle and the path's file.
+    fn of_the_file(&self) -> Vec<String> {
+        let told = |note: String| format!("process.path_milling.path.file: {note}");
+        match &self.setup.spec.spindle {
+            SpindleSpec::Steady(rad_s) => {
+                // Turned back from rad/s: without what rounding adds.
+                let rpm = (rad_s * 60.0 / TAU * 1e6).round() / 1e6;
+                let file = self.setup.said.iter();
+                let notes = file.flat_map(|one| one.contradictions(rpm));
+                notes.map(told).collect()
+            }
+            SpindleSpec::OfFile(speeds) => vec![told(speeds_told(speeds))],
+        }
     }
 }

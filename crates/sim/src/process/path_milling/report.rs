@@ -116,12 +116,15 @@ pub(super) fn findings(milling: &PathMilling) -> Findings {
 }
 
 fn sizes(milling: &PathMilling, findings: &mut Findings) {
-    let (kept, spec, meant) = (&milling.kept, &milling.setup.spec, &milling.setup.meant);
+    let (kept, meant) = (&milling.kept, &milling.setup.meant);
     let whole_m3 = meant.stock.volume_m3();
     let removed_m3 = whole_m3 - milling.cut.stock().volume_m3();
     let target_m3 = whole_m3 - meant.target.volume_m3();
-    let torque_n_m = kept.torque_n_m.largest;
-    let power_w = torque_n_m * spec.spindle_rad_s;
+    let torque_n_m = kept.torques_n_m().fold(0.0, f64::max);
+    let each = kept.torques_n_m().zip(milling.setup.spindle.speeds_rad_s());
+    let power_w = each
+        .map(|(torque, rad_s)| torque * rad_s)
+        .fold(0.0, f64::max);
     let (at_m, level_m) = kept.strongest().unwrap_or((f64::NAN, f64::NAN));
     findings.scalars.extend(quantity::scalars([
         Quantity::new("path_milling.stock_removed", Unit::CubicMetre, removed_m3)

@@ -1,6 +1,7 @@
 //! From the path milling table and its solved path to the process that runs.
 
 use super::nominal::NominalPath;
+use super::spindle::SpindleCourse;
 use super::{PathMilling, PathMillingSetup};
 use crate::error::SimError;
 use crate::motion::{KNOT_INTERVAL_S, PlannedMotion, Target, path_file};
@@ -36,7 +37,8 @@ pub(crate) fn setup(
     let Target::Way(way) = &motion.target else {
         return Err(SimError::scenario(FILE, "the path is not solved"));
     };
-    check_feed(spec, way)?;
+    let course = spindle(spec, way);
+    check_feed(spec, way, &course)?;
     let legs = legs(spec, way, robot)?;
     let radius_m = spec.cutter.radius_m;
     let meant = follow(&legs, spec.block, &spec.holes, radius_m, spec.grid_m).map_err(|fault| {
@@ -72,7 +74,8 @@ pub(crate) fn setup(
     let setup = PathMillingSetup {
         nominal,
         legs,
-        spindle: way.spindle.clone(),
+        said: way.spindle.clone(),
+        spindle: course,
         lines: way.points.iter().map(|point| point.line).collect(),
         meant,
         world_from_work: way.world_from_work,
@@ -108,6 +111,16 @@ fn motion(
     context.planned(&start.key(), is_same, solve)
 }
 
+/// The spindle's rotation on the path.
+fn spindle(spec: &PathMillingSpec, way: &Way) -> SpindleCourse {
+    let speeds = spec.spindle.speeds_rad_s().into_iter();
+    let timed = speeds.enumerate().map(|(k, (from, rad_s))| {
+        let come = way.points.get(from).filter(|_| k > 0);
+        (come.map_or(0.0, |point| point.reached_s), rad_s)
+    });
+    SpindleCourse::new(spec.start_angle_rad, timed)
+}
+
 /// A fault at a point of the path, with its line.
 fn at_point(spec: &PathMillingSpec, point: Option<&WayPoint>, message: &str) -> SimError {
     let file = spec.path.file.display();
@@ -119,10 +132,16 @@ fn at_point(spec: &PathMillingSpec, point: Option<&WayPoint>, message: &str) -> 
 }
 
 /// Refuses chips that are not thin beside the cutter.
-fn check_feed(spec: &PathMillingSpec, way: &Way) -> Result<(), SimError> {
+fn check_feed(spec: &PathMillingSpec, way: &Way, course: &SpindleCourse) -> Result<(), SimError> {
     let diameter_m = 2.0 * spec.cutter.radius_m;
-    for point in way.points.iter().filter(|point| !point.rapid) {
-        let chip_m = point.speed_m_per_s.unwrap_or(0.0) * spec.tooth_period_s();
+    let mut from_s = 0.0;
+    for point in &way.points {
+        let begun_s = std::mem::replace(&mut from_s, point.reached_s);
+        if point.rapid {
+            continue;
+        }
+        let period_s = spec.tooth_period_at_s(course.rad_s(begun_s));
+        let chip_m = point.speed_m_per_s.unwrap_or(0.0) * period_s;
         if chip_m > LARGEST_FEED * diameter_m {
             let message = format!(
                 "the feed gives a feed per tooth of {:.4} mm, but must give at most {:.4} mm, a tenth of the \
