@@ -26,6 +26,9 @@ pub(super) struct Group {
     pub features: Vec<Vec<f64>>,
 }
 
+/// The name of what goes with time and nothing else.
+pub(super) const TIME: &str = "time";
+
 /// When something changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Onset {
@@ -88,7 +91,7 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
         Group::of_time("a constant", vec![vec![1.0; data.time_s.len()]]),
         Group {
             changes: Some(Onset { from_s: None }),
-            ..Group::of_time("time", (0..4).map(power).collect())
+            ..Group::of_time(TIME, (0..4).map(power).collect())
         },
     ];
     for (name, values) in problem.signals(predicted) {

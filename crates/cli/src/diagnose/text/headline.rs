@@ -40,12 +40,18 @@ fn unknown(diagnosis: &Diagnosis, verdict: &str) -> String {
     let all: Vec<String> = std::iter::once(names.join(" and "))
         .chain(likelier)
         .collect();
-    match (names.is_empty(), diagnosis.changes.is_empty()) {
-        (false, _) if diagnosis.unexplained_fraction > 0.5 => {
-            format!("{verdict}; A SMALL PART: {}", all.join(" or "))
+    let changes = match diagnosis.changes.is_empty() {
+        true => "",
+        false => ", AND IT CHANGES OVER TIME",
+    };
+    match names.is_empty() {
+        true => format!("{verdict}{changes}"),
+        false if diagnosis.unexplained_fraction > 0.5 => {
+            format!("{verdict}{changes}; A SMALL PART: {}", all.join(" or "))
         }
-        (false, _) => format!("CAUSE NAMED, BUT NOT ALL OF IT: {}", all.join(" or ")),
-        (true, false) => format!("{verdict}, AND IT CHANGES OVER TIME"),
-        (true, true) => verdict.to_owned(),
+        false => format!(
+            "CAUSE NAMED, BUT NOT ALL OF IT{changes}: {}",
+            all.join(" or ")
+        ),
     }
 }

@@ -4,6 +4,7 @@ use truecut_recording::significant;
 
 use crate::diagnose::answer::{Change, Diagnosis, Verdict};
 use crate::diagnose::ceiling::Bound;
+use crate::diagnose::features::TIME;
 use crate::diagnose::fit::Fit;
 use crate::diagnose::floor::{Floor, NoiseSource};
 use crate::diagnose::problem::Problem;
@@ -51,21 +52,46 @@ pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve
     changed.any(|(c, _)| left[c] < with[c] && with[c] != without[c])
 }
 
-/// The finding, before whatever else the reason says.
+/// Channels whose changes the reason tells at most; a load that is let go is in all of them.
+const MOST_TOLD: usize = 3;
+
+/// The finding, before whatever else the reason says: what has a moment first.
 pub(super) fn tell(changes: Vec<Change>, diagnosis: &mut Diagnosis) {
     diagnosis.changes = changes;
-    let found = (diagnosis.changes.iter())
-        .find(|change| change.from_s.is_some())
-        .or(diagnosis.changes.first());
-    let (Some(change), false) = (found, diagnosis.verdict == Verdict::FitFailed) else {
+    if diagnosis.changes.is_empty() || diagnosis.verdict == Verdict::FitFailed {
         return;
-    };
-    let when = match change.from_s {
-        Some(from_s) => format!("from about {} s on", significant(from_s, 3)),
-        None => "all along".to_owned(),
+    }
+    let mut found: Vec<&Change> = diagnosis.changes.iter().collect();
+    found.sort_by_key(|change| change.from_s.is_none());
+    let told: Vec<String> = found
+        .iter()
+        .take(MOST_TOLD)
+        .map(|one| course(one))
+        .collect();
+    let others = match found.len().saturating_sub(MOST_TOLD) {
+        0 => String::new(),
+        count => format!("; and {count} more"),
     };
     diagnosis.reason = format!(
-        "What is measured changes over time: `{}`, {when}. {}",
-        change.channel, diagnosis.reason
+        "Something changes over time: {}{others}. {}",
+        told.join("; "),
+        diagnosis.reason
     );
+}
+
+/// In which channel, when, and the law that does most like it.
+fn course(change: &Change) -> String {
+    let Change { channel, what, .. } = change;
+    match (change.from_s, what.as_str()) {
+        (Some(from_s), _) => {
+            let when = significant(from_s, 3);
+            format!(
+                "`{channel}` is not the same before about {when} s and after, most like {what} of other sizes"
+            )
+        }
+        (None, TIME) => format!("`{channel}` drifts all along"),
+        (None, _) => {
+            format!("`{channel}` changes all along, most like {what} whose size goes with time")
+        }
+    }
 }
