@@ -55,7 +55,8 @@ pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve
 /// Channels whose changes the reason tells at most; a load that is let go is in all of them.
 const MOST_TOLD: usize = 3;
 
-/// The finding, before whatever else the reason says: what has a moment first.
+/// The finding, before whatever else the reason says: of each channel one, with its moment if it has
+/// one.
 pub(super) fn tell(changes: Vec<Change>, diagnosis: &mut Diagnosis) {
     diagnosis.changes = changes;
     if diagnosis.changes.is_empty() || diagnosis.verdict == Verdict::FitFailed {
@@ -63,15 +64,18 @@ pub(super) fn tell(changes: Vec<Change>, diagnosis: &mut Diagnosis) {
     }
     let mut found: Vec<&Change> = diagnosis.changes.iter().collect();
     found.sort_by_key(|change| change.from_s.is_none());
-    let told: Vec<String> = found
-        .iter()
-        .take(MOST_TOLD)
-        .map(|one| course(one))
-        .collect();
-    let others = match found.len().saturating_sub(MOST_TOLD) {
+    let mut told: Vec<&Change> = Vec::new();
+    for change in &found {
+        let is_new = told.iter().all(|one| one.channel != change.channel);
+        if is_new && told.len() < MOST_TOLD {
+            told.push(change);
+        }
+    }
+    let others = match found.len() - told.len() {
         0 => String::new(),
         count => format!("; and {count} more"),
     };
+    let told: Vec<String> = told.into_iter().map(course).collect();
     diagnosis.reason = format!(
         "Something changes over time: {}{others}. {}",
         told.join("; "),
@@ -86,12 +90,10 @@ fn course(change: &Change) -> String {
         (Some(from_s), _) => {
             let when = significant(from_s, 3);
             format!(
-                "`{channel}` is not the same before about {when} s and after, most like {what} of other sizes"
+                "`{channel}` is another from about {when} s on, most as if {what} had changed then"
             )
         }
         (None, TIME) => format!("`{channel}` drifts all along"),
-        (None, _) => {
-            format!("`{channel}` changes all along, most like {what} whose size goes with time")
-        }
+        (None, _) => format!("`{channel}` changes all along, most as if {what} did"),
     }
 }
