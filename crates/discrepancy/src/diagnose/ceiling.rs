@@ -66,8 +66,8 @@ const LEAST_PLAIN: Least = Least {
 /// Least mean crossings of a recurring feature.
 const LEAST_CROSSINGS: usize = 6;
 /// What is left changes over time where a course in time is more than this part of it.
-/// Tuned on 160 sets of `tests/random_bench/changes.py`. It holds on 320 others (from 7750001 on): a
-/// course found in what changes was 0.62 to 1 of it, one in what does not 0.13 at most.
+/// Tuned on 160 sets of `tests/random_bench/changes.py`. It holds on 320 others (from 7750001 on):
+/// a course found in what changes was 0.62 to 1 of it, one in what does not 0.13 at most.
 const PREVAILS: f64 = 0.25;
 const MOST_GROUPS: usize = 4;
 

@@ -25,8 +25,8 @@ impl Folds {
         }
     }
 
-    /// Parts of the rows before, between and after moments: each of these is divided by itself. What
-    /// sets in within the last of three blocks is not predicted by a fit to the other two.
+    /// Parts of the rows before, between and after moments: each of these is divided by itself.
+    /// What sets in within the last of three blocks is not predicted by a fit to the other two.
     pub fn about(moments_s: &[f64], times_s: impl Iterator<Item = f64>) -> Folds {
         let passed = |time_s: f64| moments_s.iter().filter(|from_s| time_s >= **from_s).count();
         let stretches: Vec<usize> = times_s.map(passed).collect();

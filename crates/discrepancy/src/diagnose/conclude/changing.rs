@@ -40,8 +40,8 @@ pub(super) fn part(problem: &Problem, before: &Columns, last: &Fit, bound: &Boun
         .fold(0.0, f64::max)
 }
 
-/// Whether what changes over time leaves less than a curve does where both are: no law of a place or
-/// a speed is told for it.
+/// Whether what changes over time leaves less than a curve does where both are: no law of a place
+/// or a speed is told for it.
 pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve: &Fit) -> bool {
     let rows = &problem.split.development;
     let left = rms(&bound.left, rows);
@@ -55,8 +55,8 @@ pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve
 /// Channels whose changes the reason tells at most; a load that is let go is in all of them.
 const MOST_TOLD: usize = 3;
 
-/// The finding, before whatever else the reason says: of each channel one, with its moment if it has
-/// one.
+/// The finding, before whatever else the reason says: of each channel one, with its moment if it
+/// has one.
 pub(super) fn tell(changes: Vec<Change>, diagnosis: &mut Diagnosis) {
     diagnosis.changes = changes;
     if diagnosis.changes.is_empty() || diagnosis.verdict == Verdict::FitFailed {
