@@ -180,8 +180,8 @@ fn at_about(law: &str, from_s: f64) -> String {
     format!("{law}, which changes at about {} s", significant(from_s, 3))
 }
 
-/// Of each trace what is before a moment and what is after it; `passed` is the part of a sample that
-/// is after it.
+/// Of each trace what is before a moment and what is after it; `passed` is the part of a sample
+/// that is after it.
 fn parted<'a, T: AsRef<[f64]>>(
     traces: &'a [T],
     passed: impl Fn(usize) -> f64 + Copy + 'a,
