@@ -63,14 +63,14 @@ pub(super) fn best_moment(
     }
     let mut before = parts[0].clone();
     let mut best: Option<(f64, usize)> = None;
-    for edge in 1..edges.len() - 1 {
+    for (edge, part) in parts.iter().enumerate().skip(1) {
         if inner.contains(&edge) {
             let gain = before.explained() + whole.minus(&before).explained();
             if best.is_none_or(|(most, _)| gain > most) {
                 best = Some((gain, edge));
             }
         }
-        before = before.plus(&parts[edge]);
+        before = before.plus(part);
     }
     best.map(|(_, edge)| edge)
 }
