@@ -251,7 +251,11 @@ impl UserUnit {
 
     /// Four significant digits and the symbol: `0.0190 mm`, `44.10 %`, `1.390` if dimensionless.
     pub fn show(&self, value_si: f64) -> String {
-        let value = significant(self.from_si(value_si), 4);
+        let value = match value_si {
+            f64::INFINITY => return "infinite".to_owned(),
+            f64::NEG_INFINITY => return "below all bounds".to_owned(),
+            value_si => significant(self.from_si(value_si), 4),
+        };
         if self.symbol == "1" {
             value
         } else {
