@@ -233,6 +233,25 @@ fn every_bad_pair_of_recordings_is_refused() {
         assert_eq!(report.matches('×').count(), 1, "{second}: {report}");
         assert!(!report.contains("panicked"), "{second}: {report}");
     }
+
+    // A folder where the answer goes is told before anything is searched.
+    let out = tempfile::tempdir().unwrap();
+    std::fs::create_dir_all(out.path().join("elbow/between.json")).unwrap();
+    let paths = [&shipped("elbow.toml"), &same, &bad("part_of_the_first.csv")];
+    let [scenario, first, second] = paths.map(|path| path.to_str().unwrap());
+    let folder = out.path().to_str().unwrap();
+    let output = truecut(&[
+        "diagnose",
+        scenario,
+        "--between",
+        first,
+        second,
+        "--out",
+        folder,
+    ]);
+    let report = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(BAD_INPUT), "{report}");
+    assert!(report.contains("between.json: it is a folder"), "{report}");
 }
 
 /// The messages themselves are tested beside the reader of URDF files; here, that the program shows
@@ -310,6 +329,27 @@ fn arguments_that_make_no_sense_are_refused() {
                 "c.csv",
             ],
             "cannot be used with",
+        ),
+        (
+            &[
+                "diagnose",
+                "x.toml",
+                "--between",
+                "a.csv",
+                "b.csv",
+                "--between",
+                "c.csv",
+                "d.csv",
+            ],
+            "cannot be used multiple times",
+        ),
+        (
+            &["compare", "x.toml", "--rpm", "-5"],
+            "must be a number above 0",
+        ),
+        (
+            &["robot", "x.urdf", "--posture-deg", "1,x"],
+            "must be a number",
         ),
         (&["path", "x.nc"], "needs --robot"),
         (

@@ -96,7 +96,9 @@ pub(super) fn conclude(
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
     judge(problem, excess, &outcome, &mut diagnosis);
-    if let (Verdict::Named, Some(bound)) = (diagnosis.verdict, at_bound(problem, &last)) {
+    let bound = at_bound(problem, &last).filter(|_| diagnosis.verdict == Verdict::Named);
+    let is_bound = bound.is_some();
+    if let Some(bound) = bound {
         diagnosis.verdict = Verdict::UnknownCause;
         diagnosis.reason = format!(
             "No size of the effects known fits: {bound}. {}",
@@ -120,14 +122,18 @@ pub(super) fn conclude(
         }
     };
     diagnosis.fits = outcome.fits;
-    Ok(Answer {
+    let mut answer = Answer {
         effects: problem.effects(&last.point),
         nominal: last.point.nominal.clone(),
         before,
         after: last.predicted,
         test_rows: problem.split.test.per_channel.clone(),
         diagnosis,
-    })
+    };
+    if is_bound && answer.diagnosis.curve.is_none() {
+        answer.unname();
+    }
+    Ok(answer)
 }
 
 /// Simulations around the model chosen: causes with their uncertainty, other explanations,
