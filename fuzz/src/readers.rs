@@ -159,6 +159,16 @@ pub const READERS: &[Reader] = &[
         commands: &[&["data", "CASE"]],
     },
     Reader {
+        name: "telegrams",
+        seeds: || {
+            seeds(&["tests/logs", "tests/invalid_input"], &["xml"], |_, _| {
+                true
+            })
+        },
+        read: |case| said(read_table(&case.written(), true)),
+        commands: &[&["data", "CASE"]],
+    },
+    Reader {
         name: "columns",
         seeds: || recordings().into_iter().chain(columns()).collect(),
         read: |case| said(read_table(&case.written(), true)),
