@@ -65,4 +65,5 @@ if __name__ == "__main__":
     write_rtde(HERE / "ur_rtde.csv", {"timestamp": 100 + time, "actual_q": q.round(6), "actual_TCP_force": force})
     place = dict(zip("XYZABC", np.hstack([900 + 50 * q[:, :3], 90 + q[:, 3:]]).round(3).T))
     elements = {"RIst": place, "AIPos": axes(np.degrees(q).round(4)), "MACur": axes(q.round(3))}
-    write_rsi(HERE / "kuka_rsi.xml", 4208163634 + 12 * np.arange(60), elements, {"RKorr": {"X": 0.1 * q[:, 0].round(3)}})
+    answers = {"RKorr": {"X": q[:, 0].round(3)}}
+    write_rsi(HERE / "kuka_rsi.xml", 4208163634 + 12 * np.arange(60), elements, answers)

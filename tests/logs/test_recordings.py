@@ -29,7 +29,8 @@ def truecut(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[st
 def suggested(file: Path) -> dict[str, tuple[str, str]]:
     """Columns with channel and unit, as a scenario would say them."""
     pattern = r'column = "([^"]+)"\nchannel = "([^"]+)".*\nunit = "([^"]+)"'
-    return {column: (channel, unit) for column, channel, unit in re.findall(pattern, truecut("data", file, "--toml").stdout)}
+    found = re.findall(pattern, truecut("data", file, "--toml").stdout)
+    return {column: (channel, unit) for column, channel, unit in found}
 
 
 @pytest.mark.parametrize("delimiter", [" ", ","])
@@ -39,7 +40,8 @@ def test_rtde_is_recognised(seed, delimiter, tmp_path):
     rows = int(draw.integers(40, 120))
     rate_hz = float(draw.choice([125, 500]))
     fields = {"timestamp": draw.uniform(0, 1e5) + np.arange(rows) / rate_hz}
-    vectors = ["target_q", "actual_q", "actual_qd", "actual_current", "target_moment", "actual_TCP_pose", "actual_TCP_force"]
+    vectors = ["target_q", "actual_q", "actual_qd", "actual_current", "target_moment"]
+    vectors += ["actual_TCP_pose", "actual_TCP_force"]
     fields |= {name: draw.normal(0, 1, (rows, 6)) for name in draw.permutation(vectors)}
     fields |= {"actual_tool_accelerometer": draw.normal(0, 1, (rows, 3)), "payload": draw.normal(0, 1, rows)}
     fields |= {"output_bit_register_64": draw.random(rows) > 0.5, "robot_mode": np.full(rows, 7)}
@@ -82,7 +84,7 @@ def test_other_tables_are_not_of_rtde(tmp_path):
 def test_telegrams_of_rsi_are_rows(seed, tmp_path):
     draw = np.random.default_rng(seed)
     rows, cycle_ms = int(draw.integers(40, 120)), int(draw.choice([4, 12]))
-    ipoc = int(draw.integers(1, 2**40)) + cycle_ms * np.arange(rows)
+    ipoc = int(draw.integers(1, 2**32)) + cycle_ms * np.arange(rows)
     place = {key: draw.normal(0, 500, rows) for key in "XYZABC"}
     q, currents = draw.normal(0, 60, (rows, 6)), draw.normal(0, 5, (rows, 6))
     elements = {"RIst": place, "AIPos": axes(q), "ASPos": axes(q + 0.01), "MACur": axes(currents)}
@@ -93,7 +95,7 @@ def test_telegrams_of_rsi_are_rows(seed, tmp_path):
     assert found["rows"] == rows
     time = found["time"]
     assert (time["column"], time["unit"], time["unit_guessed"]) == ("IPOC", "ms", None)
-    assert abs(time["rate_hz"] - 1000 / cycle_ms) < 1e-6 and time["gaps"] == 0
+    assert abs(time["rate_hz"] - 1000 / cycle_ms) < 1e-3 and time["gaps"] == 0
     values = {column["name"]: column for column in found["columns"]}
     for k in range(6):
         column = values[f"AIPos.A{k + 1}"]
@@ -140,4 +142,7 @@ def test_a_comparison_is_that_of_the_csv(kind, tmp_path):
     ours, theirs = ({one["channel"]: one for one in report["channels"]} for report in told)
     assert ours.keys() == theirs.keys() and ours
     for name, one in ours.items():
-        assert abs(one["nrmse"] - theirs[name]["nrmse"]) < 1e-6 * one["nrmse"], name
+        level = theirs[name]["level"]
+        assert one["level"]["samples"] == level["samples"] > 1000
+        for key in ("rms_error", "nrmse", "largest_error"):
+            assert np.isclose(one["level"][key], level[key], rtol=1e-6, atol=0), (name, key)

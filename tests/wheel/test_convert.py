@@ -47,7 +47,7 @@ def read(file: Path) -> dict[str, np.ndarray]:
 
 
 def write_mat_73(file: Path, variables: dict) -> None:
-    """A MAT file of version 7.3: HDF5 behind 512 bytes of MATLAB's, arrays the other way round, classes as attributes."""
+    """A MAT file of version 7.3: HDF5 behind 512 bytes of MATLAB's, arrays lying, classes as attributes."""
     with h5py.File(file, "w", userblock_size=512) as made:
 
         def put(group: h5py.Group, name: str, value: object) -> None:
@@ -254,7 +254,7 @@ def faults(folder: Path) -> list[tuple[list[object], list[str]]]:
     return [
         ([mat, "--select", "cell"], ['"cell" is a cell array, not numbers', "t (1 x 40), force (1 x 40)"]),
         ([mat, "--select", "forse"], ['there is no "forse" in it', "force (1 x 40)"]),
-        ([mat, "--select", "force", "short"], ["columns are of different length", '"short" is 1 x 30', "t have 40 rows"]),
+        ([mat, "--select", "force", "short"], ["columns are of different length", '"short" is 1 x 30', "40 rows"]),
         ([mat, "--time", "none"], ['there is no "none" in it']),
         ([mat, "-o", folder / "out.xlsx"], ["out.xlsx", "ends in .parquet or .csv"]),
         ([mat, "-o", folder / "absent" / "out.csv"], ["cannot be written"]),

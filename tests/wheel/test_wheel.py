@@ -250,3 +250,50 @@ print(json.dumps({name: [one for one in vars(getattr(truecut, name)) if one not 
 """
     found = {name: set(names) - {"__new__"} for name, names in json.loads(run(python, script)).items()}
     assert found == said
+
+
+def test_lobes_are_those_of_the_program(with_arrays, tmp_path):
+    """The same numbers as in `lobes.json`, which the program writes; what is asked for wrongly is refused."""
+    scenario = "scenarios/milling/own_surface.toml"
+    command = [PROGRAM, "lobes", scenario, "--size", "12", "--runs", "0", "--out", tmp_path]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    (file,) = tmp_path.rglob("lobes.json")
+    script = f"""
+import json, math, truecut, numpy as np
+told = json.load(open({str(file)!r}))
+milling = truecut.load("{scenario}")
+parts = []
+found = truecut.lobes(milling, size=12, progress=parts.append)
+assert parts[-1] == 1.0
+assert found["multiplier"].shape == (12, 12) == (len(found["spindle_rad_s"]), len(found["depth_m"]))
+assert np.array_equal(found["spindle_rad_s"], [one["spindle_rad_s"] for one in told["speeds"]])
+assert found["depth_m"][-1] == told["deepest_m"]
+depth = lambda limit: math.nan if limit is None else limit["depth_m"]
+for ours, theirs in (("limit_m", "limit"), ("zero_order_m", "zero_order")):
+    assert np.array_equal(found[ours], [depth(one[theirs]) for one in told["speeds"]], equal_nan=True), ours
+assert np.isfinite(found["limit_m"]).sum() >= 3, found["limit_m"]
+# first depths at which a multiplier is one or more
+for row, limit in zip(found["multiplier"], found["limit_m"]):
+    unstable = found["depth_m"][row >= 1]
+    if len(unstable):
+        step = found["depth_m"][1] - found["depth_m"][0]
+        assert unstable[0] - step <= limit <= unstable[0] * (1 + 1e-9), (unstable[0], limit)
+low, high = found["spindle_rad_s"][[3, 8]]
+narrow = truecut.lobes(milling, (low, high), found["depth_m"][-1], size=12)
+assert np.allclose(narrow["limit_m"][[0, -1]], found["limit_m"][[3, 8]], rtol=1e-3, equal_nan=True)
+for wrong in ({{"size": 1}}, {{"spindle_rad_s": (5.0, 2.0)}}, {{"deepest_m": 0.0}}, {{"at_m": -1.0}}):
+    try:
+        truecut.lobes(milling, **wrong)
+    except ValueError as error:
+        assert next(iter(wrong)) in str(error)
+    else:
+        raise AssertionError(wrong)
+for scenario, wrong, said in ((milling, {{"at_m": 1e3}}, "length"), (truecut.load("{CHAMFER}"), {{}}, "milling")):
+    try:
+        truecut.lobes(scenario, **wrong)
+    except truecut.TruecutError as error:
+        assert said in str(error), error
+    else:
+        raise AssertionError(wrong)
+"""
+    run(with_arrays, script)

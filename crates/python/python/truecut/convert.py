@@ -148,7 +148,8 @@ def table_of(found: list[Found], select: Sequence[str] = (), time: str | None = 
         lengths = {one.path: length(one) for one in others if select or length(one) > 1}
         if len(set(lengths.values())) > 1:
             told = ", ".join(f"{path} has {count}" for path, count in list(lengths.items())[:LISTED])
-            raise ConvertError(f"columns are of different length: {told}", "choose some of one length: --select PATH ...")
+            help = "choose some of one length: --select PATH ..."
+            raise ConvertError(f"columns are of different length: {told}", help)
         rows = next(iter(lengths.values()), 1)
     columns: dict[str, np.ndarray] = {} if clock is None else {clock.path: times}
     units = {} if clock is None or clock.unit is None else {clock.path: clock.unit}
