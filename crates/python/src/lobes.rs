@@ -43,12 +43,12 @@ struct Found {
 ///
 /// Gives a dictionary, all SI, N speeds and M depths:
 /// `spindle_rad_s` (N), `depth_m` (M); `multiplier` (N x M): magnitude of the dominant multiplier
-/// over a tooth period, stable below 1; `limit_m` (N): first unstable depth, NaN where there is none
-/// down to the deepest; `limit_error_m` (N): its error by discretisation in time, estimated;
+/// over a tooth period, stable below 1; `limit_m` (N): first unstable depth, NaN where there is
+/// none down to the deepest; `limit_error_m` (N): its error by discretisation in time, estimated;
 /// `frequency_hz` (N): of the vibration there; `zero_order_m` (N): the limit to zero order,
-/// whatever its depth; `mode_coupling_m`: the depth from which modes couple without regeneration, or
-/// None; `known_to_rad_s`: the fastest speed at which limits are known, or None where all are (NaN
-/// above it); `notes`.
+/// whatever its depth; `mode_coupling_m`: the depth from which modes couple without regeneration,
+/// or None; `known_to_rad_s`: the fastest speed at which limits are known (NaN above it), or None
+/// where all are; `notes`.
 #[pyfunction]
 #[pyo3(signature = (scenario, spindle_rad_s = None, deepest_m = None, *, size = 100, at_m = 0.0, progress = None))]
 pub fn lobes<'py>(
