@@ -39,8 +39,8 @@ pub struct OpwGeometry {
     pub c3_m: f64,
     pub offset_rad: [f64; 6],
     pub sign: [f64; 6],
-    /// Whether axis 1 points down, against the z axis of its joint's frame: the model then stands on
-    /// its head.
+    /// Whether axis 1 points down, against the z axis of its joint's frame: the model then stands
+    /// on its head.
     upside_down: bool,
     /// Whether the model counts axis 5 the other way round than an arm whose axes 4 and 6 point
     /// ahead and whose axes 2 and 5 point to the left.
