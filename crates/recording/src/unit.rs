@@ -68,6 +68,8 @@ pub enum Unit {
     PerSecond,
     /// Absolute temperature.
     Kelvin,
+    /// Electric current.
+    Ampere,
 }
 
 /// What may be written for each unit: symbol, unit, factor to SI. The first symbol of a unit that
@@ -149,6 +151,8 @@ const SYMBOLS: &[(&str, Unit, f64)] = &[
     ("1/m", Unit::PerMetre, 1.0),
     ("1/s", Unit::PerSecond, 1.0),
     ("K", Unit::Kelvin, 1.0),
+    ("A", Unit::Ampere, 1.0),
+    ("mA", Unit::Ampere, 1e-3),
 ];
 
 impl Unit {
