@@ -96,15 +96,7 @@ pub(super) fn conclude(
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
     judge(problem, excess, &outcome, &mut diagnosis);
-    let bound = at_bound(problem, &last).filter(|_| diagnosis.verdict == Verdict::Named);
-    let is_bound = bound.is_some();
-    if let Some(bound) = bound {
-        diagnosis.verdict = Verdict::UnknownCause;
-        diagnosis.reason = format!(
-            "No size of the effects known fits: {bound}. {}",
-            diagnosis.reason
-        );
-    }
+    let is_at_end = tell_end(problem, &last, &mut diagnosis);
     test_part::open_test(problem, &base, &last, &mut diagnosis);
     let last = match unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)? {
         None => last,
@@ -130,10 +122,23 @@ pub(super) fn conclude(
         test_rows: problem.split.test.per_channel.clone(),
         diagnosis,
     };
-    if is_bound && answer.diagnosis.curve.is_none() {
+    if is_at_end && answer.diagnosis.curve.is_none() {
         answer.unname();
     }
     Ok(answer)
+}
+
+/// Takes the verdict back where a size lies at an end of its range. Whether one does.
+fn tell_end(problem: &Problem, last: &Fit, diagnosis: &mut Diagnosis) -> bool {
+    let end = at_bound(problem, last).filter(|_| diagnosis.verdict == Verdict::Named);
+    if let Some(end) = &end {
+        diagnosis.verdict = Verdict::UnknownCause;
+        diagnosis.reason = format!(
+            "No size of the effects known fits: {end}. {}",
+            diagnosis.reason
+        );
+    }
+    end.is_some()
 }
 
 /// Simulations around the model chosen: causes with their uncertainty, other explanations,
