@@ -59,7 +59,8 @@ pub fn changes(
 /// In a set-up that is not the machine's a change has no name; that nothing changed stays true.
 fn doubted(told: &str, answer: &mut Answer) {
     let found = &mut answer.changes;
-    if found.verdict == Verdict::NothingChanged {
+    let names = [Verdict::Changed, Verdict::Ambiguous, Verdict::UnknownChange];
+    if !names.contains(&found.verdict) {
         found.doubts.push(told.to_owned());
         return;
     }
@@ -69,6 +70,7 @@ fn doubted(told: &str, answer: &mut Answer) {
     found.alternatives.clear();
     found.further.clear();
     found.runner_up = None;
+    found.curve = None;
     answer.after.clone_from(&answer.before);
     answer.changed.clone_from(&answer.unchanged);
 }

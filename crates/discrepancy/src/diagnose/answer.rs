@@ -237,8 +237,7 @@ pub struct Diagnosis {
     /// Another set-up that explains far more than any causes do, and how much.
     #[serde(default)]
     pub set_up: Option<String>,
-    /// Effects that come nearest and are not named: in a set-up that is not the machine's, or with
-    /// a size at an end of its range.
+    /// Effects that come nearest and are not named, in a set-up that is not the machine's.
     #[serde(default)]
     pub nearest: Vec<Cause>,
     /// What has no name, as a curve, with `unknown_cause`; null where none predicts it.

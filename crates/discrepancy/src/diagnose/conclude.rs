@@ -96,7 +96,7 @@ pub(super) fn conclude(
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
     judge(problem, excess, &outcome, &mut diagnosis);
-    let is_at_end = tell_end(problem, &last, &mut diagnosis);
+    tell_end(problem, &last, &mut diagnosis);
     test_part::open_test(problem, &base, &last, &mut diagnosis);
     let last = match unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)? {
         None => last,
@@ -114,31 +114,26 @@ pub(super) fn conclude(
         }
     };
     diagnosis.fits = outcome.fits;
-    let mut answer = Answer {
+    Ok(Answer {
         effects: problem.effects(&last.point),
         nominal: last.point.nominal.clone(),
         before,
         after: last.predicted,
         test_rows: problem.split.test.per_channel.clone(),
         diagnosis,
-    };
-    if is_at_end && answer.diagnosis.curve.is_none() {
-        answer.unname();
-    }
-    Ok(answer)
+    })
 }
 
-/// Takes the verdict back where a size lies at an end of its range. Whether one does.
-fn tell_end(problem: &Problem, last: &Fit, diagnosis: &mut Diagnosis) -> bool {
+/// Takes the verdict back where a size lies at an end of its range.
+fn tell_end(problem: &Problem, last: &Fit, diagnosis: &mut Diagnosis) {
     let end = at_bound(problem, last).filter(|_| diagnosis.verdict == Verdict::Named);
-    if let Some(end) = &end {
+    if let Some(end) = end {
         diagnosis.verdict = Verdict::UnknownCause;
         diagnosis.reason = format!(
             "No size of the effects known fits: {end}. {}",
             diagnosis.reason
         );
     }
-    end.is_some()
 }
 
 /// Simulations around the model chosen: causes with their uncertainty, other explanations,

@@ -252,7 +252,7 @@ pub(crate) fn explain(
     };
     if let Some(told) = set_up_doubt(model, data, &answer.after) {
         // Causes in a set-up that is not the machine's are none.
-        answer.unname();
+        answer.unname(problem.start().nominal);
         answer.diagnosis.reason = format!("{told} {}", answer.diagnosis.reason);
         answer.diagnosis.set_up = Some(told);
     }
@@ -264,8 +264,9 @@ pub(crate) fn explain(
 }
 
 impl Answer {
-    /// Takes names away from what was found: it is told as what comes nearest.
-    fn unname(&mut self) {
+    /// Takes names away from what was found: it is told as what comes nearest, and the model is as
+    /// the scenario has it, with these nominal numbers.
+    fn unname(&mut self, nominal: Vec<f64>) {
         let found = &mut self.diagnosis;
         found.verdict = Verdict::UnknownCause;
         found.nearest = std::mem::take(&mut found.causes);
@@ -275,6 +276,8 @@ impl Answer {
         found.experiments.clear();
         found.doubts.clear();
         found.curve = None;
+        found.nominal.clear();
+        self.nominal = nominal;
         self.effects.clear();
         self.after.clone_from(&self.before);
     }

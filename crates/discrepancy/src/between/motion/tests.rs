@@ -108,17 +108,28 @@ fn a_joint_that_stands_still_is_held_against_those_that_move() {
 fn counts_that_agree_make_no_copy() {
     let count = 0.05;
     for seed in 0..6 {
-        let outputs = |level: f64, from: f64| {
-            let mut moved = swing(seed, from, 0.01, level);
+        // The same motion with noise of its own, a fifth of a count.
+        let outputs = |own: u64| {
+            let mut moved = swing(seed, 0.0, 0.01, 0.0);
             let output = &mut moved.channels[0];
             output.role = Role::Output;
-            (output.values.iter_mut()).for_each(|x| *x = (*x / count).round() * count);
+            let drawn = noise(Colour::White, 1500, 1000 * own + seed);
+            for (x, drawn) in output.values.iter_mut().zip(drawn) {
+                *x = ((*x + 0.2 * count * drawn) / count).round() * count;
+            }
             moved
         };
-        let first = outputs(0.01, 0.0);
-        // The same noise seen later is another recording.
-        super::super::check_samples(&first, &outputs(0.01, 3e-3)).expect("no copy");
+        let first = outputs(1);
+        super::super::check_samples(&first, &outputs(2)).expect("no copy");
         super::super::check_samples(&first, &first).expect_err("a copy");
+        // A copy of which the beginning is cut off, and one value is another one.
+        let mut part = first.clone();
+        part.time_s.truncate(1490);
+        let output = &mut part.channels[0];
+        output.valid.truncate(1490);
+        output.values.drain(..10);
+        output.values[745] += count;
+        super::super::check_samples(&first, &part).expect_err("a copy");
         let fine = |from| {
             let mut moved = swing(seed, from, 0.01, 0.01);
             moved.channels[0].role = Role::Output;
