@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from called import ROOT, truecut
 from recordings import axes, write_rsi, write_rtde
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 ELBOW = ROOT / "scenarios" / "diagnosis" / "elbow.toml"
 SEEDS = range(3)
-
-
-def truecut(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
-    """Runs the program."""
-    command = [PROGRAM, *map(str, arguments)]
-    ended = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"NO_COLOR": "1"}, timeout=300)
-    assert ended.returncode == code, ended.stderr + ended.stdout
-    return ended
 
 
 def suggested(file: Path) -> dict[str, tuple[str, str]]:

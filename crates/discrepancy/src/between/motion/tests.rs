@@ -1,10 +1,9 @@
 //! Motions drawn at random.
 
 use truecut_recording::measured::Role;
-use truecut_recording::{ChannelSpec, Unit};
 
 use super::*;
-use crate::testing::{Colour, noise};
+use crate::testing::{Colour, channel, noise};
 
 /// A swing of several harmonics, seen from `from` on, at this interval.
 fn swing(seed: u64, from: f64, interval_s: f64, level: f64) -> Measured {
@@ -20,14 +19,7 @@ fn swing(seed: u64, from: f64, interval_s: f64, level: f64) -> Measured {
     Measured {
         source: "drawn".into(),
         time_s: (0..1500).map(|k| k as f64 * interval_s).collect(),
-        channels: vec![MeasuredChannel {
-            spec: ChannelSpec::new("joint1.angle", Unit::Radian, "drawn"),
-            role: Role::Input,
-            valid: vec![true; values.len()],
-            values,
-            noise: None,
-            white_kept: 1.0,
-        }],
+        channels: vec![channel(values)],
         ..Measured::default()
     }
 }
