@@ -9,7 +9,9 @@ use truecut::recording::ChannelSpec;
 use truecut::scenario::UncertainSpec;
 use truecut::scenario::effect::Effect;
 use truecut::{KeptModel, Scenario, SweepOutputs};
-use truecut_arm::{Robot, expanded_urdf};
+use truecut_arm::{MeshData, Robot, expanded_urdf};
+use truecut_plan::surface::part::{Part, PartOptions};
+use truecut_plan::surface::{Mesh, MeshUse};
 use truecut_plan::surface_path::TaughtPoints;
 
 use crate::readers::{Case, said};
@@ -164,4 +166,19 @@ pub(crate) fn search_goes_on(case: &Case) -> Result<(), String> {
         kept if kept == usize::from(PREDICTIONS) => Ok(()),
         kept => Err(format!("{kept} predictions kept")),
     }
+}
+
+/// As a part, a face and a body.
+pub(crate) fn mesh(case: &Case) -> Result<(), String> {
+    let path = case.written();
+    let data = MeshData::load(&path).map_err(|error| error.to_string())?;
+    let options = PartOptions {
+        unit_m: 1e-3,
+        crease_rad: 0.5,
+        weld_m: None,
+    };
+    let part = Part::of(data, &options, &|_| ());
+    part.map_err(|error| error.to_string())?;
+    said(Mesh::load(&path, 1e-3, MeshUse::Face))?;
+    said(Mesh::load(&path, 1e-3, MeshUse::Body))
 }

@@ -4,12 +4,11 @@ use std::path::Path;
 
 use nalgebra::Isometry3;
 use truecut::{Run, Scenario};
-use truecut_arm::{MeshData, Robot, expanded_urdf};
+use truecut_arm::{Robot, expanded_urdf};
 use truecut_plan::cam::{self, CamOptions};
 use truecut_plan::program::{Frames, Settings, Tool};
 use truecut_plan::program::{dialect_of, read_text};
-use truecut_plan::surface::part::{Part, PartOptions};
-use truecut_plan::surface::{Mesh, MeshUse, PatchFile};
+use truecut_plan::surface::PatchFile;
 use truecut_scenario::{CellFile, Identification, PathJob};
 use truecut_telemetry::{read_recording, read_table, read_tables};
 
@@ -143,7 +142,7 @@ pub const READERS: &[Reader] = &[
     Reader {
         name: "mesh",
         seeds: meshes,
-        read: mesh,
+        read: beside::mesh,
         commands: &[&["part", "CASE"]],
     },
     Reader {
@@ -156,6 +155,16 @@ pub const READERS: &[Reader] = &[
         name: "log",
         seeds: || seeds(&["tests/logs"], &["mcap"], |_, _| true),
         read: |case| said(read_tables(&case.written(), true)),
+        commands: &[&["data", "CASE"]],
+    },
+    Reader {
+        name: "telegrams",
+        seeds: || {
+            seeds(&["tests/logs", "tests/invalid_input"], &["xml"], |_, _| {
+                true
+            })
+        },
+        read: |case| said(read_table(&case.written(), true)),
         commands: &[&["data", "CASE"]],
     },
     Reader {
@@ -350,20 +359,6 @@ fn xacro(case: &Case) -> Result<(), String> {
         &Default::default(),
         &Default::default(),
     ))
-}
-
-fn mesh(case: &Case) -> Result<(), String> {
-    let path = case.written();
-    let data = MeshData::load(&path).map_err(|error| error.to_string())?;
-    let options = PartOptions {
-        unit_m: 1e-3,
-        crease_rad: 0.5,
-        weld_m: None,
-    };
-    let part = Part::of(data, &options, &|_| ());
-    part.map_err(|error| error.to_string())?;
-    said(Mesh::load(&path, 1e-3, MeshUse::Face))?;
-    said(Mesh::load(&path, 1e-3, MeshUse::Body))
 }
 
 fn program(case: &Case) -> Result<(), String> {

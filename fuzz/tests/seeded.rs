@@ -56,6 +56,7 @@ readers! {
     mesh: 1000,
     table: 2000,
     log: 1000,
+    telegrams: 1000,
     columns: 1000,
     recording: 1000,
     cam: 2000,

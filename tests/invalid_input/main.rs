@@ -200,6 +200,21 @@ fn every_bad_pair_of_recordings_is_refused() {
         found.unwrap_or_else(|| panic!("{name}")).clone()
     };
     let same = shipped("elbow.csv");
+    let between = |second: &Path, out: &Path| {
+        let scenario = shipped("elbow.toml");
+        let paths: [&Path; 4] = [&scenario, &same, second, out];
+        let paths = paths.map(|path| path.to_str().unwrap());
+        let [scenario, first, second, out] = paths;
+        truecut(&[
+            "diagnose",
+            scenario,
+            "--between",
+            first,
+            second,
+            "--out",
+            out,
+        ])
+    };
     for (second, wanted) in [
         (same.clone(), "elbow.csv: both recordings are this file"),
         (
@@ -215,24 +230,25 @@ fn every_bad_pair_of_recordings_is_refused() {
         (shipped("nowhere.csv"), "nowhere.csv"),
     ] {
         let out = tempfile::tempdir().unwrap();
-        let paths = [&shipped("elbow.toml"), &same, &second];
-        let [scenario, first, second] = paths.map(|path| path.to_str().unwrap());
-        let folder = out.path().to_str().unwrap();
-        let output = truecut(&[
-            "diagnose",
-            scenario,
-            "--between",
-            first,
-            second,
-            "--out",
-            folder,
-        ]);
+        let output = between(&second, out.path());
         let report = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(BAD_INPUT), "{second}: {report}");
-        assert!(report.contains(wanted), "{second}: {report}");
-        assert_eq!(report.matches('×').count(), 1, "{second}: {report}");
-        assert!(!report.contains("panicked"), "{second}: {report}");
+        assert_eq!(
+            output.status.code(),
+            Some(BAD_INPUT),
+            "{second:?}: {report}"
+        );
+        assert!(report.contains(wanted), "{second:?}: {report}");
+        assert_eq!(report.matches('×').count(), 1, "{second:?}: {report}");
+        assert!(!report.contains("panicked"), "{second:?}: {report}");
     }
+
+    // A folder where the answer goes is told before anything is searched.
+    let out = tempfile::tempdir().unwrap();
+    std::fs::create_dir_all(out.path().join("elbow/between.json")).unwrap();
+    let output = between(&bad("part_of_the_first.csv"), out.path());
+    let report = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(BAD_INPUT), "{report}");
+    assert!(report.contains("between.json: it is a folder"), "{report}");
 }
 
 /// The messages themselves are tested beside the reader of URDF files; here, that the program shows
@@ -310,6 +326,27 @@ fn arguments_that_make_no_sense_are_refused() {
                 "c.csv",
             ],
             "cannot be used with",
+        ),
+        (
+            &[
+                "diagnose",
+                "x.toml",
+                "--between",
+                "a.csv",
+                "b.csv",
+                "--between",
+                "c.csv",
+                "d.csv",
+            ],
+            "cannot be used multiple times",
+        ),
+        (
+            &["compare", "x.toml", "--rpm", "-5"],
+            "must be a number above 0",
+        ),
+        (
+            &["robot", "x.urdf", "--posture-deg", "1,x"],
+            "must be a number",
         ),
         (&["path", "x.nc"], "needs --robot"),
         (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import random
 import subprocess
 import sys
@@ -12,20 +11,11 @@ from pathlib import Path
 import bags
 import numpy as np
 import pytest
+from called import ROOT, truecut
 from mcap.writer import CompressionType
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 # no stored result: drawn anew from these
 SEEDS = range(4)
-
-
-def truecut(*arguments: object, code: int = 0) -> subprocess.CompletedProcess[str]:
-    """Runs the program."""
-    command = [PROGRAM, *map(str, arguments)]
-    ended = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"NO_COLOR": "1"}, timeout=300)
-    assert ended.returncode == code, ended.stderr + ended.stdout
-    return ended
 
 
 def inspected(file: Path) -> dict:

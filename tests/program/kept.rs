@@ -28,8 +28,13 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn ends_where_files_end(desk: &Desk, arguments: &[&str], bytes: u64) -> (Option<i32>, String) {
     let kib = bytes / 1024;
     let line = format!("trap '' XFSZ; ulimit -f {kib}; exec \"$0\" \"$@\"");
+    ends_behind(desk, &line, arguments)
+}
+
+/// Runs the program by a line of bash that ends with its `"$0" "$@"`. Its code.
+fn ends_behind(desk: &Desk, line: &str, arguments: &[&str]) -> (Option<i32>, String) {
     let output = std::process::Command::new("bash")
-        .args(["-c", &line, env!("CARGO_BIN_EXE_truecut")])
+        .args(["-c", line, env!("CARGO_BIN_EXE_truecut")])
         .args(arguments)
         .current_dir(desk.folder.path())
         .env("NO_COLOR", "1")
@@ -60,6 +65,32 @@ fn a_full_disk_leaves_the_earlier_result_whole() {
         assert!(!folder.join(".part").exists());
     }
     desk.ends(0, &["run", "swing.toml", "--set", "run.duration_s=0.6"]);
+    assert!(files(&folder) != earlier);
+}
+
+/// As a user who may not write where an earlier result lies: the superuser without its powers, else
+/// whoever runs the tests.
+#[cfg(unix)]
+#[test]
+fn a_read_only_folder_keeps_the_earlier_result() {
+    use std::os::unix::fs::PermissionsExt;
+    let desk = Desk::new();
+    desk.scenario("swing", "duration_s = 0.1", "");
+    desk.ends(0, &["run", "swing.toml"]);
+    let folder = desk.path("out/swing");
+    let earlier = files(&folder);
+    let allow = |mode| std::fs::set_permissions(&folder, PermissionsExt::from_mode(mode)).unwrap();
+    let powerless = "if [ \"$(id -u)\" = 0 ]; then exec setpriv --inh-caps=-all --bounding-set=-all \"$0\" \"$@\"; fi; \
+                     exec \"$0\" \"$@\"";
+    let arguments = ["run", "swing.toml", "--set", "run.duration_s=0.2"];
+    allow(0o555);
+    let (code, err) = ends_behind(&desk, powerless, &arguments);
+    allow(0o755);
+    assert_eq!(code, Some(BAD_INPUT), "{err}");
+    assert!(err.contains("out/swing") && err.contains("denied"), "{err}");
+    assert!(files(&folder) == earlier);
+    let (code, err) = ends_behind(&desk, powerless, &arguments);
+    assert_eq!(code, Some(0), "{err}");
     assert!(files(&folder) != earlier);
 }
 

@@ -3,55 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import signal
 import subprocess
-import sys
 import time
-import venv
-from pathlib import Path
 
 import pytest
+from built import PROGRAM, ROOT, python, run, with_arrays  # noqa: F401
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 PAGE = ROOT / "docs" / "python.md"
 CHAMFER = "scenarios/chamfer/backward_sufficient.toml"
-
-
-@pytest.fixture(scope="session")
-def python(tmp_path_factory) -> Path:
-    """The interpreter of a fresh venv with the wheel and nothing else."""
-    folder = tmp_path_factory.mktemp("wheel")
-    command = [Path(sys.executable).parent / "maturin", "build", "--release", "--out", folder / "dist"]
-    command += ["--manifest-path", ROOT / "crates" / "python" / "Cargo.toml", "--target-dir", ROOT / "target"]
-    # the interpreter that it finds does not matter: one wheel is for all from 3.10 on
-    built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert built.returncode == 0, built.stderr
-    (wheel,) = (folder / "dist").glob("truecut-*.whl")
-    assert "-cp310-abi3-" in wheel.name
-    venv.create(folder / "venv", with_pip=False)
-    found = folder / "venv" / "bin" / "python"
-    install = [sys.executable, "-m", "pip", "--python", found, "install", "--quiet", "--no-index", wheel]
-    subprocess.run(install, check=True)
-    return found
-
-
-@pytest.fixture(scope="session")
-def with_arrays(python, tmp_path_factory) -> Path:
-    """The same, and the packages of these tests behind its own."""
-    packages = next(Path(path) for path in sys.path if path.endswith("site-packages"))
-    (own,) = (python.parents[1] / "lib").glob("python3.*/site-packages")
-    (own / "of_tests.pth").write_text(f"{packages}\n")
-    return python
-
-
-def run(python: Path, script: str, code: int = 0) -> str:
-    """Runs lines of Python where the scenarios are."""
-    ended = subprocess.run([python, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=300)
-    assert ended.returncode == code, ended.stdout + ended.stderr
-    return ended.stdout
 
 
 def test_importing_needs_nothing_else(python):
@@ -289,3 +250,50 @@ print(json.dumps({name: [one for one in vars(getattr(truecut, name)) if one not 
 """
     found = {name: set(names) - {"__new__"} for name, names in json.loads(run(python, script)).items()}
     assert found == said
+
+
+def test_lobes_are_those_of_the_program(with_arrays, tmp_path):
+    """The same numbers as in `lobes.json`, which the program writes; what is asked for wrongly is refused."""
+    scenario = "scenarios/milling/own_surface.toml"
+    command = [PROGRAM, "lobes", scenario, "--size", "12", "--runs", "0", "--out", tmp_path]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    (file,) = tmp_path.rglob("lobes.json")
+    script = f"""
+import json, math, truecut, numpy as np
+told = json.load(open({str(file)!r}))
+milling = truecut.load("{scenario}")
+parts = []
+found = truecut.lobes(milling, size=12, progress=parts.append)
+assert parts[-1] == 1.0
+assert found["multiplier"].shape == (12, 12) == (len(found["spindle_rad_s"]), len(found["depth_m"]))
+assert np.array_equal(found["spindle_rad_s"], [one["spindle_rad_s"] for one in told["speeds"]])
+assert found["depth_m"][-1] == told["deepest_m"]
+depth = lambda limit: math.nan if limit is None else limit["depth_m"]
+for ours, theirs in (("limit_m", "limit"), ("zero_order_m", "zero_order")):
+    assert np.array_equal(found[ours], [depth(one[theirs]) for one in told["speeds"]], equal_nan=True), ours
+assert np.isfinite(found["limit_m"]).sum() >= 3, found["limit_m"]
+# first depths at which a multiplier is one or more
+for row, limit in zip(found["multiplier"], found["limit_m"]):
+    unstable = found["depth_m"][row >= 1]
+    if len(unstable):
+        step = found["depth_m"][1] - found["depth_m"][0]
+        assert unstable[0] - step <= limit <= unstable[0] * (1 + 1e-9), (unstable[0], limit)
+low, high = found["spindle_rad_s"][[3, 8]]
+narrow = truecut.lobes(milling, (low, high), found["depth_m"][-1], size=12)
+assert np.allclose(narrow["limit_m"][[0, -1]], found["limit_m"][[3, 8]], rtol=1e-3, equal_nan=True)
+for wrong in ({{"size": 1}}, {{"spindle_rad_s": (5.0, 2.0)}}, {{"deepest_m": 0.0}}, {{"at_m": -1.0}}):
+    try:
+        truecut.lobes(milling, **wrong)
+    except ValueError as error:
+        assert next(iter(wrong)) in str(error)
+    else:
+        raise AssertionError(wrong)
+for scenario, wrong, said in ((milling, {{"at_m": 1e3}}, "length"), (truecut.load("{CHAMFER}"), {{}}, "milling")):
+    try:
+        truecut.lobes(scenario, **wrong)
+    except truecut.TruecutError as error:
+        assert said in str(error), error
+    else:
+        raise AssertionError(wrong)
+"""
+    run(with_arrays, script)

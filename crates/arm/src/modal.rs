@@ -71,6 +71,20 @@ impl Robot {
     }
 }
 
+impl Modes {
+    /// Says that modes do not swing at all: damping was given in another unit, most likely.
+    #[must_use]
+    pub fn overdamped_note(&self) -> Option<String> {
+        let count = (self.damping_ratio.iter()).filter(|ratio| **ratio > 1.0);
+        match count.count() {
+            0 => None,
+            count => Some(format!(
+                "{count} of the modes are damped by more than 100 %: damping in another unit, it seems"
+            )),
+        }
+    }
+}
+
 impl LinearArm {
     /// Modes of the symmetric part of the stiffness: (K − ω²M) φ = 0.
     ///

@@ -167,14 +167,7 @@ impl Robot {
         let mut missing = Vec::new();
         let modes = match self.modes(posture, None) {
             Ok(modes) => {
-                let overdamped = modes.damping_ratio.iter().filter(|ratio| **ratio > 1.0);
-                match overdamped.count() {
-                    0 => {}
-                    count => notes.push(format!(
-                        "{count} of the modes are damped by more than 100 %: damping in another \
-                         unit, it seems"
-                    )),
-                }
+                notes.extend(modes.overdamped_note());
                 let modes = modes.frequency_hz.iter().zip(&modes.damping_ratio);
                 let report = |(&frequency_hz, &damping_ratio): (&f64, &f64)| ModeReport {
                     frequency_hz,

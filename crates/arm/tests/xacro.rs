@@ -142,3 +142,45 @@ fn a_fault_behind_a_macro_is_told_in_the_file_of_the_macro() {
     assert!(error.message().contains("has no item 4"), "{error}");
     assert_eq!(error.path(), Some(folder.join("slide_arm.xacro").as_path()));
 }
+
+/// A few lines that come to more than any memory: each ends at once, with an error.
+#[test]
+fn what_doubles_without_end_is_refused() {
+    let head = "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\" name=\"k\">\n";
+    let doubled = |line: &dyn Fn(usize, usize) -> String| -> String {
+        (1..39).map(|k| line(k, k - 1)).collect()
+    };
+    let properties = doubled(&|k, last| {
+        format!("<xacro:property name=\"p{k}\" value=\"${{p{last}}}${{p{last}}}\"/>\n")
+    });
+    let macros = doubled(&|k, last| {
+        format!("<xacro:macro name=\"m{k}\"><xacro:m{last}/><xacro:m{last}/></xacro:macro>\n")
+    });
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text, says) in [
+        (
+            "properties",
+            format!(
+                "<xacro:property name=\"p0\" value=\"ab\"/>\n{properties}<link name=\"${{p38}}\"/>"
+            ),
+            "grows beyond all bounds",
+        ),
+        (
+            "macros",
+            format!(
+                "<xacro:macro name=\"m0\"><link name=\"a\"/></xacro:macro>\n{macros}<xacro:m38/>"
+            ),
+            "more than 200000 elements",
+        ),
+        (
+            "text",
+            "<link name=\"${'a' * 10000000000}\"/>".to_owned(),
+            "too large",
+        ),
+    ] {
+        let file = folder.path().join(format!("{name}.xacro"));
+        std::fs::write(&file, format!("{head}{text}\n</robot>\n")).unwrap();
+        let error = kinematics(&file, &[]).unwrap_err().to_string();
+        assert!(error.contains(says), "{name}: {error}");
+    }
+}

@@ -9,7 +9,7 @@ mod stability;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use truecut_scenario::Scenario;
 
 use crate::failure::Failure;
@@ -39,6 +39,33 @@ pub struct Arguments {
     /// the process, if any]
     #[arg(long, global = true, value_name = "BYTES", value_parser = number::bytes)]
     pub max_memory: Option<u64>,
+}
+
+impl Arguments {
+    /// Those of this call; ends the program where they make no sense.
+    pub fn given() -> Arguments {
+        let mut matches = Arguments::as_command().get_matches();
+        Arguments::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.exit())
+    }
+
+    fn as_command() -> clap::Command {
+        signed(Arguments::command())
+    }
+}
+
+/// Takes numbers below zero as values, so that each is held to the rule of its own argument.
+fn signed(command: clap::Command) -> clap::Command {
+    let own = command
+        .get_subcommands()
+        .map(|own| own.get_name().to_owned());
+    let own: Vec<String> = own.collect();
+    let command = command.mut_args(|one| match one.get_action().takes_values() {
+        true if !one.is_positional() => one.allow_negative_numbers(true),
+        _ => one,
+    });
+    (own.iter()).fold(command, |command, name| {
+        command.mut_subcommand(name, signed)
+    })
 }
 
 #[derive(Debug, Subcommand)]
@@ -231,8 +258,7 @@ mod tests {
 
     #[test]
     fn the_command_line_is_consistent() {
-        use clap::CommandFactory;
-        Arguments::command().debug_assert();
+        Arguments::as_command().debug_assert();
     }
 
     #[test]

@@ -274,7 +274,10 @@ fn table(checked: &[Checked]) -> String {
                 (
                     mark,
                     judged.outcome.clone(),
-                    format!("{held}/{} claims", judged.claims.len()),
+                    match judged.claims.len() {
+                        0 => "no claims".to_owned(),
+                        all => format!("{held}/{all} claims"),
+                    },
                 )
             }
             Judgement::Refused(_) => ("✗", "bad input".to_owned(), String::new()),

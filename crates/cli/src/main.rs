@@ -32,14 +32,12 @@ mod view;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use crate::args::{Arguments, Command};
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::given();
     install_reporter();
     if let Some(bytes) = arguments.max_memory {
         truecut_files::limit_memory(bytes);

@@ -5,6 +5,8 @@ use std::path::Path;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use truecut_recording::measured::{MeasuredChannel, Role};
+use truecut_recording::{ChannelSpec, Unit};
 use truecut_scenario::Scenario;
 
 /// A slot on one spring, whose force and slide are measured, with other values of some keys.
@@ -46,6 +48,18 @@ unit = "m"
     let own = |(key, value): &(&str, &str)| ((*key).to_owned(), (*value).to_owned());
     let changes: Vec<_> = changes.iter().map(own).collect();
     Scenario::from_str(&at, text, &changes).unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+/// An angle that is measured at all times, and drives what is simulated.
+pub fn channel(values: Vec<f64>) -> MeasuredChannel {
+    MeasuredChannel {
+        spec: ChannelSpec::new("joint1.angle", Unit::Radian, "drawn"),
+        role: Role::Input,
+        valid: vec![true; values.len()],
+        values,
+        noise: None,
+        white_kept: 1.0,
+    }
 }
 
 /// Kinds of noise.

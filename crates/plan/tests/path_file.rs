@@ -255,9 +255,15 @@ fn what_cannot_be_led_is_told_with_its_line() {
         ),
         (
             "slow.nc",
-            "G21 F600\nG1 X0 Y0 Z0\nG1 X30 F0.01\n",
+            "G21 F600\nG1 X0 Y0 Z0\nG1 X30 F0.1\n",
             Some(3),
             "faster feed",
+        ),
+        (
+            "endless.nc",
+            "G21 F600\nG1 X0 Y0 Z0\nG1 X30 F0.01\n",
+            Some(3),
+            "at least 0.001 mm/s (0.06 mm/min)",
         ),
     ] {
         let file = written(folder.path(), name, text);

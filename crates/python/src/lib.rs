@@ -3,6 +3,7 @@
 
 mod attended;
 mod errors;
+mod lobes;
 mod recording;
 mod reports;
 mod robot;
@@ -17,6 +18,8 @@ use pyo3::prelude::*;
 mod _truecut {
     #[pymodule_export]
     use super::errors::TruecutError;
+    #[pymodule_export]
+    use super::lobes::lobes;
     #[pymodule_export]
     use super::recording::{Profile, Recording, Scalar};
     #[pymodule_export]

@@ -51,6 +51,11 @@ fn engine_of(name: Option<&str>) -> PyResult<Engine> {
 }
 
 impl Scenario {
+    /// The scenario itself.
+    pub fn inner(&self) -> &scenario::Scenario {
+        &self.inner
+    }
+
     fn path(&self) -> &Path {
         self.inner.path()
     }

@@ -50,7 +50,9 @@ pub struct ClaimResult {
     pub name: String,
     /// How the number was taken.
     pub metric: String,
-    /// The number, `None` if there is none; `note` says why.
+    /// The number, which may be infinite (a depth without limit); `None` if there is none, `note`
+    /// says why. In JSON it is `null` beside a `value_status` then.
+    #[serde(flatten, with = "crate::any_float::option")]
     pub value: Option<f64>,
     /// Its unit, SI.
     pub unit: Unit,
@@ -175,7 +177,7 @@ impl ClaimSpec {
         // Written so that a NaN fails both.
         let above = self.min.is_none_or(|min| metric.value >= min);
         let below = self.max.is_none_or(|max| metric.value <= max);
-        let value = metric.value.is_finite().then_some(metric.value);
+        let value = (!metric.value.is_nan()).then_some(metric.value);
         let note = metric
             .note
             .or_else(|| diverged.map(|outcome| format!("the run {outcome}")));
@@ -222,7 +224,8 @@ fn ratio(own: Metric, other: Metric) -> Metric {
             })
         });
     Metric {
-        value,
+        // What is divided by nothing does not exist.
+        value: if value.is_finite() { value } else { f64::NAN },
         unit: Unit::One,
         note,
     }

@@ -79,6 +79,7 @@ mod summary;
 mod unit;
 mod window;
 
+pub use any_float::NumberStatus;
 pub use claims::{ClaimError, ClaimFault, ClaimResult, ClaimSpec, RunReference};
 pub use compare::{CompareError, Deviation, compare};
 pub use measured::{DataError, Mapping, Measured, MeasuredChannel, Pass, Role};

@@ -128,10 +128,15 @@ fn reduce_rows(reducer: &Reducer, time_s: &[f64], columns: &[&[f64]], unit: Unit
     if time_s.is_empty() {
         return Metric::new(f64::NAN, unit, "the recording has no rows in the window");
     }
-    if let Some(row) =
-        (0..time_s.len()).find(|&row| columns.iter().any(|column| column[row].is_nan()))
-    {
-        let note = format!("the channel is NaN from {} s", significant(time_s[row], 6));
+    let not_finite = |row: usize| {
+        let mut values = columns.iter().map(|column| column[row]);
+        Some((row, values.find(|value: &f64| !value.is_finite())?))
+    };
+    if let Some((row, value)) = (0..time_s.len()).find_map(not_finite) {
+        let note = format!(
+            "the channel is {value} from {} s",
+            significant(time_s[row], 6)
+        );
         return Metric {
             value: f64::NAN,
             unit,

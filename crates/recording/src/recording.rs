@@ -36,7 +36,7 @@ pub struct Scalar {
     /// Unit of `value`.
     pub unit: Unit,
     /// SI; NaN if the run gave none.
-    #[serde(with = "crate::any_float::one")]
+    #[serde(flatten, with = "crate::any_float::value")]
     pub value: f64,
     /// One line.
     pub description: String,
@@ -71,12 +71,12 @@ pub struct Profile {
     /// Unit of `axis`.
     pub axis_unit: Unit,
     /// Places, ascending, SI.
-    #[serde(with = "crate::any_float::many")]
+    #[serde(flatten, with = "crate::any_float::axis")]
     pub axis: Vec<f64>,
     /// Unit of `values`.
     pub unit: Unit,
     /// One for each place, SI.
-    #[serde(with = "crate::any_float::many")]
+    #[serde(flatten, with = "crate::any_float::values")]
     pub values: Vec<f64>,
 }
 
@@ -137,7 +137,7 @@ pub enum Outcome {
         /// The joint whose drive it is.
         joint: String,
         /// Largest torque or force over the drive's limit.
-        #[serde(with = "crate::any_float::one")]
+        #[serde(flatten, with = "crate::any_float::share")]
         share: f64,
         /// The limit with its unit.
         limit: String,
@@ -154,10 +154,10 @@ pub enum Outcome {
         /// What left it.
         quantity: String,
         /// Its value, SI.
-        #[serde(with = "crate::any_float::one")]
+        #[serde(flatten, with = "crate::any_float::value")]
         value: f64,
         /// The bound, SI.
-        #[serde(with = "crate::any_float::one")]
+        #[serde(flatten, with = "crate::any_float::limit")]
         limit: f64,
         /// What ends there.
         rule: String,
@@ -172,10 +172,10 @@ pub enum Outcome {
         /// What went out of bounds.
         quantity: String,
         /// To which value, SI.
-        #[serde(with = "crate::any_float::one")]
+        #[serde(flatten, with = "crate::any_float::value")]
         value: f64,
         /// The bound, SI.
-        #[serde(with = "crate::any_float::one")]
+        #[serde(flatten, with = "crate::any_float::limit")]
         limit: f64,
         /// The rule that was broken.
         rule: String,
@@ -186,7 +186,7 @@ pub enum Outcome {
         /// When.
         time_s: f64,
         /// Half of the way between the extremes of the tool's motion, m.
-        #[serde(with = "crate::any_float::one")]
+        #[serde(flatten, with = "crate::any_float::amplitude")]
         amplitude_m: f64,
         /// The rule of the cut that was broken.
         rule: String,

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::any_float::NumberStatus;
 use crate::claims::ClaimResult;
 use crate::recording::{Outcome, Recording};
 use crate::unit::Unit;
 
-/// The content of `summary.json`. All numbers are SI; one that does not exist is `null`.
+/// The content of `summary.json`. All numbers are SI; one that is missing or infinite is `null`,
+/// and a status says which.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// The scenario's name.
@@ -17,6 +19,9 @@ pub struct Summary {
     pub outcome: Outcome,
     /// The run's scalars, and the metric of each claim under the name that the claim gives it.
     pub metrics: BTreeMap<String, Option<f64>>,
+    /// Of each metric that is `null`: whether it is missing or infinite.
+    #[serde(default)]
+    pub metric_status: BTreeMap<String, NumberStatus>,
     /// The unit of each metric.
     pub units: BTreeMap<String, Unit>,
     /// The claims, in the scenario's order.
@@ -28,21 +33,25 @@ pub struct Summary {
 impl Summary {
     /// Collects what a run comes to.
     pub fn new(recording: &Recording, claims: &[ClaimResult]) -> Summary {
-        let finite = |value: f64| value.is_finite().then_some(value);
         let scalars = recording
             .scalars
             .iter()
-            .map(|s| (s.name.clone(), finite(s.value), s.unit));
-        let judged = claims
-            .iter()
-            .map(|claim| (claim.metric.clone(), claim.value, claim.unit));
+            .map(|s| (s.name.clone(), s.value, s.unit));
+        let judged = claims.iter().map(|claim| {
+            let value = claim.value.unwrap_or(f64::NAN);
+            (claim.metric.clone(), value, claim.unit)
+        });
         let all: Vec<_> = judged.chain(scalars).collect();
         Summary {
             scenario: recording.header.scenario_name.clone(),
             outcome: recording.outcome.clone(),
             metrics: all
                 .iter()
-                .map(|(name, value, _)| (name.clone(), *value))
+                .map(|(name, value, _)| (name.clone(), Some(*value).filter(|v| v.is_finite())))
+                .collect(),
+            metric_status: all
+                .iter()
+                .filter_map(|(name, value, _)| Some((name.clone(), NumberStatus::of(*value)?)))
                 .collect(),
             units: all
                 .iter()
@@ -66,6 +75,7 @@ mod tests {
         recording.scalars = vec![
             Scalar::new("chamfer.width_spread", Unit::Metre, 1.9e-5, ""),
             Scalar::new("chamfer.first_slip_depth", Unit::Metre, f64::NAN, ""),
+            Scalar::new("milling.stability_depth", Unit::Metre, f64::INFINITY, ""),
         ];
         let claim = ClaimSpec {
             name: "even width".into(),
@@ -84,7 +94,14 @@ mod tests {
         assert_eq!(json["scenario"], "Test D");
         assert_eq!(json["outcome"], "completed");
         assert_eq!(json["metrics"]["chamfer.width_spread"], 1.9e-5);
-        assert!(json["metrics"]["chamfer.first_slip_depth"].is_null());
+        for (name, status) in [
+            ("chamfer.first_slip_depth", "missing"),
+            ("milling.stability_depth", "infinite"),
+        ] {
+            assert!(json["metrics"][name].is_null());
+            assert_eq!(json["metric_status"][name], status);
+        }
+        assert_eq!(json["metric_status"].as_object().unwrap().len(), 2);
         assert_eq!(json["units"]["chamfer.width_spread"], "m");
         let claim = &json["claims"][0];
         assert_eq!(claim["name"], "even width");

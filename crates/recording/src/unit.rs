@@ -68,6 +68,8 @@ pub enum Unit {
     PerSecond,
     /// Absolute temperature.
     Kelvin,
+    /// Electric current.
+    Ampere,
 }
 
 /// What may be written for each unit: symbol, unit, factor to SI. The first symbol of a unit that
@@ -149,6 +151,8 @@ const SYMBOLS: &[(&str, Unit, f64)] = &[
     ("1/m", Unit::PerMetre, 1.0),
     ("1/s", Unit::PerSecond, 1.0),
     ("K", Unit::Kelvin, 1.0),
+    ("A", Unit::Ampere, 1.0),
+    ("mA", Unit::Ampere, 1e-3),
 ];
 
 impl Unit {
@@ -251,7 +255,11 @@ impl UserUnit {
 
     /// Four significant digits and the symbol: `0.0190 mm`, `44.10 %`, `1.390` if dimensionless.
     pub fn show(&self, value_si: f64) -> String {
-        let value = significant(self.from_si(value_si), 4);
+        let value = match value_si {
+            f64::INFINITY => return "infinite".to_owned(),
+            f64::NEG_INFINITY => return "below all bounds".to_owned(),
+            value_si => significant(self.from_si(value_si), 4),
+        };
         if self.symbol == "1" {
             value
         } else {

@@ -6,6 +6,11 @@ use truecut_recording::UserUnit;
 
 use crate::document::Document;
 use crate::fault::Fault;
+use crate::units::from_rpm;
+
+/// Fastest rim or belt of any tool, m/s: grinding wheels in laboratories (W. König, F. Ferlemann,
+/// "CBN grinding at five hundred m/s", Grinding and Metrology, 1991).
+const FASTEST_RIM_M_PER_S: f64 = 500.0;
 
 /// Faults found so far, and the document that they are about.
 pub(crate) struct Check<'a> {
@@ -67,6 +72,29 @@ impl<'a> Check<'a> {
             ));
         }
         value
+    }
+
+    /// Records a fault where a tool of this radius, m, turns faster than any rim holds.
+    pub fn rim(&mut self, table: &str, key: &str, rpm: f64, radius_m: f64) {
+        let fastest_rpm = FASTEST_RIM_M_PER_S / radius_m / from_rpm(1.0);
+        if rpm.abs() > fastest_rpm {
+            let message = format!(
+                "is {rpm}, but must be at most {fastest_rpm:.0} rpm in size: the rim of a tool of {:.3} mm is at \
+                 {FASTEST_RIM_M_PER_S} m/s then, and none is faster",
+                2e3 * radius_m
+            );
+            self.wrong(table, key, message, "faster than any rim holds");
+        }
+    }
+
+    /// As [`Self::rim`], of a belt.
+    pub fn belt(&mut self, table: &str, key: &str, m_per_s: f64) {
+        if m_per_s.abs() > FASTEST_RIM_M_PER_S {
+            let message = format!(
+                "is {m_per_s}, but must be at most {FASTEST_RIM_M_PER_S} m/s in size: no belt is faster"
+            );
+            self.wrong(table, key, message, "faster than any belt");
+        }
     }
 
     /// A direction of any length as a unit vector, or a fault where it has none. `path` is its key.

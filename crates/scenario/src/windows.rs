@@ -1,6 +1,6 @@
 //! Whether metrics look where a run has something to show: within its duration.
 
-use truecut_recording::{ClaimSpec, MetricSpec};
+use truecut_recording::{ClaimSpec, MetricSpec, short_number};
 
 use crate::check::Check;
 use crate::run::RunSpec;
@@ -39,7 +39,8 @@ pub(crate) fn check_windows(
         for (key, time_s) in ends {
             if let Some(time_s) = time_s.filter(|time_s| *time_s > latest_s) {
                 let message = format!(
-                    "is {time_s} s, but the run ends at {end_s} s: there is nothing to evaluate"
+                    "is {time_s} s, but the run ends at {} s: there is nothing to evaluate",
+                    short_number(end_s)
                 );
                 check.wrong(&table, key, message, "after the end of the run");
             }

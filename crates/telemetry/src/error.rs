@@ -57,7 +57,9 @@ pub enum Reason {
     #[error("not a table of numbers: {0}")]
     NotATable(String),
     /// Neither of the endings of a table.
-    #[error("unknown kind of file; measured data ends in .csv, .txt, .parquet, .arrow or .mcap")]
+    #[error(
+        "unknown kind of file; measured data ends in .csv, .txt, .xml, .parquet, .arrow or .mcap"
+    )]
     UnknownTable,
     /// A log where one table is needed.
     #[error("a log has topics with times of their own; it is read as `data.file` of a scenario")]

@@ -255,9 +255,9 @@ fn sweep_csv(table: &SweepTable) -> std::io::Result<Vec<u8>> {
         });
     writer.write_record(names.chain([SWEEP_OUTCOME.to_owned()]))?;
     for (index, row) in table.rows.iter().enumerate() {
-        let fields = row.iter().map(|value| match value.is_finite() {
-            true => value.to_string(),
-            false => String::new(),
+        let fields = row.iter().map(|value| match value.is_nan() {
+            true => String::new(),
+            false => value.to_string(),
         });
         let outcome = table.fault(index).unwrap_or("completed").to_owned();
         writer.write_record(fields.chain([outcome]))?;

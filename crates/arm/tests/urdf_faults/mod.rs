@@ -7,6 +7,16 @@ pub const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
         Some(17),
         &["not well-formed XML", "'inertial'"],
     ),
+    (
+        "entities",
+        Some(4),
+        &["not well-formed XML", "entity reference loop"],
+    ),
+    (
+        "entities_of_links",
+        Some(4),
+        &["not well-formed XML", "entity reference loop"],
+    ),
     ("not_a_robot", Some(3), &["<sdf>", "<robot>"]),
     ("no_links", None, &["no links"]),
     (

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use truecut_plan::program::DIALECTS;
 
-use super::number::{above_zero, above_zero_to, three, within};
+use super::number::{above_zero, above_zero_to, finite, three, within};
 
 #[derive(Debug, Args)]
 pub struct PathArguments {
@@ -37,6 +37,7 @@ pub struct CamArguments {
         long,
         value_name = "A,B,…",
         value_delimiter = ',',
+        value_parser = finite,
         allow_hyphen_values = true
     )]
     pub slide_mm: Option<Vec<f64>>,
@@ -46,6 +47,7 @@ pub struct CamArguments {
         long,
         value_name = "A,B,…",
         value_delimiter = ',',
+        value_parser = finite,
         allow_hyphen_values = true
     )]
     pub posture_deg: Option<Vec<f64>>,
@@ -150,6 +152,7 @@ pub struct ProgramArguments {
         long,
         value_name = "A,B,…",
         value_delimiter = ',',
+        value_parser = finite,
         allow_hyphen_values = true
     )]
     pub slide_mm: Option<Vec<f64>>,

@@ -2,6 +2,11 @@
 
 use std::ops::RangeInclusive;
 
+/// Any finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    number(text.trim(), |_| true, "must be a number")
+}
+
 /// A finite number above zero.
 pub fn above_zero(text: &str) -> Result<f64, String> {
     number(text, |value| value > 0.0, "must be a number above 0")

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use truecut_arm::{FrameId, Masses, Packages, Reading};
 
-use super::number::above_zero;
+use super::number::{above_zero, finite};
 use super::parse_named;
 
 /// Which robot, and where what it names is found.
@@ -63,6 +63,7 @@ pub struct RobotArguments {
         long,
         value_name = "A,B,…",
         value_delimiter = ',',
+        value_parser = finite,
         allow_hyphen_values = true
     )]
     pub posture_deg: Option<Vec<f64>>,
@@ -87,6 +88,7 @@ pub struct RobotArguments {
         long,
         value_name = "A,B,…",
         value_delimiter = ',',
+        value_parser = finite,
         allow_hyphen_values = true,
         conflicts_with_all = ["urdf_text", "posture_deg"]
     )]

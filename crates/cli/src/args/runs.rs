@@ -82,7 +82,8 @@ pub struct DiagnoseArguments {
     pub data: Option<PathBuf>,
     /// Two recordings of the same machine, the earlier first: what changed between them; what the
     /// scenario lacks in both is no change
-    #[arg(long, value_names = ["FIRST", "SECOND"], num_args = 2, conflicts_with = "data")]
+    #[arg(long, value_names = ["FIRST", "SECOND"], num_args = 2,
+        conflicts_with = "data", action = clap::ArgAction::Set)]
     pub between: Option<Vec<PathBuf>>,
     /// Folder for outputs; the scenario gets a folder of its own in it
     #[arg(long, value_name = "DIR", default_value = "out")]

@@ -29,13 +29,6 @@ const NAMES: [&str; 6] = [ANSWER, EXTENDED, EXPERIMENT, REPORT, VIEWER, RUNS];
 /// A folder that cannot be written to, or in which an answer would replace what is being diagnosed.
 pub fn prepare(scenario: &Scenario, folder: &Path, data: &str) -> Result<Staged, Failure> {
     spare_inputs(&[scenario.path(), Path::new(data)], folder, &NAMES)?;
-    for name in NAMES {
-        let path = folder.join(name);
-        if path.is_dir() {
-            let text = "it is a folder, but a file of this name is to be written";
-            return Err(Failure::at(&path, text));
-        }
-    }
     // What cannot be begun now could not be written after the search.
     Ok(Staged::begin(folder)?)
 }
@@ -45,12 +38,17 @@ pub fn runs(files: &Staged) -> PathBuf {
     files.folder().join(RUNS)
 }
 
-/// Refuses a folder in which one of these files would replace an input.
+/// Refuses a folder in which one of these files would replace an input, or is a folder itself.
 ///
 /// # Errors
 /// As said.
 pub fn spare_inputs(inputs: &[&Path], folder: &Path, names: &[&str]) -> Result<(), Failure> {
     for name in names {
+        let path = folder.join(name);
+        if path.is_dir() {
+            let text = "it is a folder, but a file of this name is to be written";
+            return Err(Failure::at(&path, text));
+        }
         let Ok(there) = folder.join(name).canonicalize() else {
             continue;
         };

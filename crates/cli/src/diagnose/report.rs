@@ -132,7 +132,9 @@ fn others(diagnosis: &Diagnosis) -> Markup {
     });
     let head = ["explanation", "angle between signatures", "odds"];
     let planned = ["experiment", "separation", "separation now"];
+    let nearest = (text::nearest_rows(diagnosis).into_iter()).map(|row| cells(&row));
     html! {
+        (table("What comes nearest, and is not named", &["effect", "its size would be"], nearest))
         (table("Other explanations", &head, explanations))
         (table("What would tell them apart", &planned, experiments))
     }

@@ -140,16 +140,28 @@ pub fn error_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     rows_of_errors(&diagnosis.channels, ["nominal", "extended"], refitted)
 }
 
-/// Alternatives, or the next best explanation, and the experiment that would decide: what, how far.
+/// What comes nearest and is not named: effect, sizes.
+pub fn nearest_rows(diagnosis: &Diagnosis) -> Vec<[String; 2]> {
+    let rows = diagnosis.nearest.iter().map(|cause| {
+        let sizes = cause.parameters.iter();
+        let sizes = sizes.map(|(key, found)| format!("{key} = {}", estimate(found)));
+        [name(cause), sizes.collect::<Vec<_>>().join(", ")]
+    });
+    rows.collect()
+}
+
+/// What comes nearest and is not named, alternatives or the next best explanation, and the
+/// experiment that would decide: what, how far.
 pub fn alternative_rows(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
-    let mut rows: Vec<Vec<String>> = (diagnosis.alternatives.iter())
-        .map(|one| {
-            vec![
-                format!("or {}", names_of(one)),
-                format!("{:.0}° apart", one.angle_deg),
-            ]
-        })
-        .collect();
+    let nearest = nearest_rows(diagnosis).into_iter();
+    let nearest = nearest.map(|[name, sizes]| vec![format!("nearest, not named: {name}"), sizes]);
+    let alternatives = (diagnosis.alternatives.iter()).map(|one| {
+        vec![
+            format!("or {}", names_of(one)),
+            format!("{:.0}° apart", one.angle_deg),
+        ]
+    });
+    let mut rows: Vec<Vec<String>> = nearest.chain(alternatives).collect();
     if rows.is_empty()
         && let Some(next) = &diagnosis.runner_up
     {

@@ -10,7 +10,6 @@ use std::f64::consts::TAU;
 
 use truecut_arm::Robot;
 use truecut_core::chatter::TipMode;
-use truecut_core::chatter::averaged::zero_order_limit;
 use truecut_plan::lobes::{LobeRequest, Lobes};
 use truecut_scenario::Scenario;
 use truecut_sim::stability::{MillingStudy, StabilityRun, in_scenario, stability_runs};
@@ -46,12 +45,6 @@ struct Other {
     own: Lobes,
 }
 
-/// Default range of speeds, as fractions of the scenario's.
-const RANGE: [f64; 2] = [0.1, 1.25];
-/// Default largest depth, as a multiple of the limit at the scenario's speed, and of its depth.
-const BEYOND_LIMIT: f64 = 1.2;
-const BEYOND_DEPTH: f64 = 3.0;
-
 /// Fewest depths that are tried at the scenario's own speed.
 const OWN_DEPTHS: usize = 100;
 
@@ -63,7 +56,9 @@ pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let posture = posture_at(scenario, arguments.at, &study)?;
     let modes = study.modes(&posture).map_err(failed)?;
     let known = study.known_to_rad_s(&modes);
-    let request = request(arguments, &study, &modes, known);
+    let range = arguments.rpm.map(|range| range.map(|rpm| rpm * TAU / 60.0));
+    let deepest_m = arguments.deepest.map(|mm| mm * 1e-3);
+    let request = study.request(range, deepest_m, arguments.size.into(), &modes);
     check_known(arguments, &study, &modes, known, &request)?;
     let own_request = LobeRequest {
         spindle_rad_s: [study.cut.spindle_rad_s; 2],
@@ -149,35 +144,6 @@ fn check_known(
             Err(Failure::at(&arguments.scenario, text))
         }
         _ => Ok(()),
-    }
-}
-
-fn request(
-    arguments: &LobesArguments,
-    study: &MillingStudy,
-    modes: &[TipMode],
-    known_to_rad_s: Option<f64>,
-) -> LobeRequest {
-    let cut = &study.cut;
-    let speed = cut.spindle_rad_s;
-    let deepest = || {
-        // Where limits are not known, that of the fastest speed at which they are.
-        let at = known_to_rad_s.map_or(speed, |known| known.min(speed));
-        let period_s = cut.nominal.cutter.tooth_period_s(at);
-        let average = cut.directional().averaged(period_s);
-        let limit = zero_order_limit(modes, average, period_s);
-        let beyond = limit.map_or(0.0, |limit| BEYOND_LIMIT * limit.depth_m);
-        beyond.max(BEYOND_DEPTH * cut.nominal.axial_depth_m)
-    };
-    LobeRequest {
-        spindle_rad_s: arguments
-            .rpm
-            .map_or(RANGE.map(|part| part * speed), |range| {
-                range.map(|rpm| rpm * TAU / 60.0)
-            }),
-        deepest_m: (arguments.deepest).map_or_else(deepest, |mm| mm * 1e-3),
-        speeds: arguments.size.into(),
-        depths: arguments.size.into(),
     }
 }
 

@@ -14,9 +14,13 @@ mod motion;
 mod search;
 mod shared;
 mod split;
+mod words;
+
+use std::collections::{HashMap, HashSet};
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 use thiserror::Error;
-use truecut_recording::measured::Measured;
+use truecut_recording::measured::{Measured, MeasuredChannel};
 use truecut_scenario::Scenario;
 use truecut_sim::SimError;
 
@@ -110,6 +114,9 @@ pub enum BetweenError {
 
 /// So many samples in a row are no chance.
 const SAME_ROWS: usize = 10;
+/// Of values read to a few counts, so many changes in a row, each in the same row: noise moves
+/// every one of them by a row now and then.
+const SAME_STEPS: usize = 40;
 
 impl BetweenError {
     /// Of the data of this source.
@@ -197,7 +204,26 @@ fn check_samples(first: &Measured, second: &Measured) -> Result<(), BetweenError
             .map(|one| one.valid[row].then(|| one.values[row].to_bits()));
         values.collect()
     };
-    let mut places = std::collections::HashMap::new();
+    let same = |row: usize, rows: usize| BetweenError::SameSamples {
+        first: first.source.clone(),
+        second: second.source.clone(),
+        from_s: second.time_s[row],
+        rows,
+    };
+    if [first, second]
+        .iter()
+        .any(|one| one.outputs().all(is_coarse))
+    {
+        let [a, b] = [first, second].map(|one| steps(one, |row| outputs(one, row)));
+        let known: HashSet<u64> = a.windows(SAME_STEPS).map(digest_of_steps).collect();
+        let mut copied = b.windows(SAME_STEPS);
+        let copied = copied.find(|steps| known.contains(&digest_of_steps(steps)));
+        return copied.map_or(Ok(()), |steps| {
+            let (begins, ends) = (steps[0].0, steps[SAME_STEPS - 1].0);
+            Err(same(begins, ends - begins + 1))
+        });
+    }
+    let mut places = HashMap::new();
     for row in 0..first.time_s.len() {
         if let Some(key) = outputs(first, row) {
             places.entry(key).or_insert(row);
@@ -213,15 +239,45 @@ fn check_samples(first: &Measured, second: &Measured) -> Result<(), BetweenError
         };
         last = place;
         if run >= SAME_ROWS {
-            return Err(BetweenError::SameSamples {
-                first: first.source.clone(),
-                second: second.source.clone(),
-                from_s: second.time_s[row - run],
-                rows: run + 1,
-            });
+            return Err(same(row - run, run + 1));
         }
     }
     Ok(())
+}
+
+/// Whether a channel is read to so few values that half of them at least come twice.
+fn is_coarse(channel: &MeasuredChannel) -> bool {
+    let values = channel.values.iter().map(|value| value.to_bits());
+    let different: HashSet<u64> = values.collect();
+    2 * different.len() < channel.values.len()
+}
+
+/// Rows in which a value changes, with a digest of the values and of how long the ones before
+/// stood.
+fn steps<K: Hash + PartialEq>(one: &Measured, key: impl Fn(usize) -> K) -> Vec<(usize, u64)> {
+    let mut last = 0;
+    let mut found = Vec::new();
+    for row in 1..one.time_s.len() {
+        let now = key(row);
+        if now != key(row - 1) {
+            found.push((row, digest(&(now, row - last))));
+            last = row;
+        }
+    }
+    found
+}
+
+fn digest(of: &impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    of.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// Of values and times between them, wherever they begin.
+fn digest_of_steps(steps: &[(usize, u64)]) -> u64 {
+    // How long the value before the first stood is no part of them.
+    let rows = steps.iter().skip(1);
+    digest(&rows.map(|(_, own)| *own).collect::<Vec<u64>>())
 }
 
 /// Refuses recordings that leave other channels, or another rate.

@@ -1,6 +1,6 @@
 //! Whether two recordings repeat one motion, and by how much one of them is shifted in time.
 
-use truecut_recording::measured::{Measured, MeasuredChannel};
+use truecut_recording::measured::{Measured, MeasuredChannel, Pass};
 
 use crate::stats::{deviation, mean};
 use crate::trial::noise::{cubic, weights, without_memory};
@@ -41,11 +41,15 @@ struct Input<'a> {
     noises: [f64; 2],
 }
 
+/// An input that moves by less than this part of what another one of its unit does stands still:
+/// what it is apart is held against that.
+const STANDS_STILL: f64 = 0.05;
+
 impl<'a> Input<'a> {
-    fn of(first: &'a MeasuredChannel, second: &'a MeasuredChannel) -> Input<'a> {
+    /// `largest` is the largest deviation of an input in the same unit.
+    fn of(first: &'a MeasuredChannel, second: &'a MeasuredChannel, largest: f64) -> Input<'a> {
         let both = [first, second];
-        let deviation = both.map(|one| deviation(&one.values));
-        let deviation = deviation[0].max(deviation[1]);
+        let deviation = larger_deviation(both).max(STANDS_STILL * largest);
         let noises = both.map(|one| without_memory(&one.values, &one.valid).powi(2));
         Input {
             first,
@@ -94,15 +98,24 @@ impl<'a> Input<'a> {
     }
 }
 
+fn larger_deviation(both: [&MeasuredChannel; 2]) -> f64 {
+    let [a, b] = both.map(|one| deviation(&one.values));
+    a.max(b)
+}
+
 /// Intervals by which the second recording comes later, and how unlike the inputs are there; `None`
 /// where it does not repeat the first. Both have the same interval.
 pub(super) fn later(first: &Measured, second: &Measured) -> Option<(f64, f64)> {
-    let inputs: Vec<Input> = (first.inputs())
-        .map(|one| {
-            let other = second.channel(&one.spec.name).ok()?;
-            Some(Input::of(one, other))
-        })
+    let pairs: Vec<[&MeasuredChannel; 2]> = (first.inputs())
+        .map(|one| Some([one, second.channel(&one.spec.name).ok()?]))
         .collect::<Option<_>>()?;
+    let largest = |unit| {
+        let alike = pairs.iter().filter(|[one, _]| one.spec.unit == unit);
+        alike.fold(0.0_f64, |most, pair| most.max(larger_deviation(*pair)))
+    };
+    let inputs: Vec<Input> = (pairs.iter())
+        .map(|[one, other]| Input::of(one, other, largest(one.spec.unit)))
+        .collect();
     if inputs.is_empty() || !first.passes.is_empty() || !second.passes.is_empty() {
         return as_they_are(first, second, &inputs);
     }
@@ -203,11 +216,42 @@ pub(super) fn resampled(measured: Measured, interval_s: f64, first: f64) -> Meas
             ..channel.clone()
         }
     });
-    Measured {
-        channels: channels.collect(),
+    let channels = channels.collect();
+    let passes = passes_at(&measured, interval_s, first, count);
+    let mut there = Measured {
+        channels,
         time_s: (0..count).map(|k| k as f64 * interval_s).collect(),
-        ..measured
+        passes,
+        ..measured.clone()
+    };
+    for channel in &mut there.channels {
+        for (place, valid) in places.iter().zip(&mut channel.valid) {
+            *valid &= !meets_two(&measured.passes, *place);
+        }
     }
+    there
+}
+
+/// Runs of the process, their samples counted anew.
+fn passes_at(measured: &Measured, interval_s: f64, first: f64, count: usize) -> Vec<Pass> {
+    let old_s = measured.interval_s();
+    let anew = |sample: usize| {
+        let row = ((sample as f64 - first) * old_s / interval_s - NO_SHIFT).ceil();
+        (row.max(0.0) as usize).min(count)
+    };
+    let begins_s = first * old_s;
+    let passes = measured.passes.iter().map(|pass| Pass {
+        samples: anew(pass.samples.start)..anew(pass.samples.end),
+        start_s: (pass.start_s - begins_s).max(0.0),
+    });
+    passes.filter(|pass| !pass.samples.is_empty()).collect()
+}
+
+/// Whether the samples around a place belong to two runs.
+fn meets_two(passes: &[Pass], place: f64) -> bool {
+    let around = (place.floor() - 1.0).max(0.0) as usize..=place.floor() as usize + 2;
+    let mut begins = passes.iter().skip(1).map(|pass| pass.samples.start);
+    begins.any(|start| around.contains(&start) && *around.start() < start)
 }
 
 /// Value in the first or last interval, on the cubic through the four samples nearest to it.
@@ -223,73 +267,4 @@ fn at_end(channel: &MeasuredChannel, place: f64) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use truecut_recording::measured::Role;
-    use truecut_recording::{ChannelSpec, Unit};
-
-    use super::*;
-    use crate::testing::{Colour, noise};
-
-    /// A swing of several harmonics, seen from `from` on, at this interval.
-    fn swing(seed: u64, from: f64, interval_s: f64, level: f64) -> Measured {
-        let drawn = noise(Colour::White, 1500, seed);
-        let at = |t: f64| {
-            let phase = 0.4 * seed as f64;
-            (t + phase).sin() + 0.5 * (2.3 * t + phase).cos() + 0.2 * (5.1 * t).sin()
-        };
-        let rows = drawn.iter().enumerate();
-        let values: Vec<f64> = rows
-            .map(|(k, n)| at(from + k as f64 * interval_s) + level * n)
-            .collect();
-        Measured {
-            source: "drawn".into(),
-            time_s: (0..1500).map(|k| k as f64 * interval_s).collect(),
-            channels: vec![MeasuredChannel {
-                spec: ChannelSpec::new("joint1.angle", Unit::Radian, "drawn"),
-                role: Role::Input,
-                valid: vec![true; values.len()],
-                values,
-                noise: None,
-                white_kept: 1.0,
-            }],
-            ..Measured::default()
-        }
-    }
-
-    #[test]
-    fn verify_a_shift_is_found_to_a_part_of_an_interval() {
-        for seed in 0..12 {
-            let shift = -2.0 + 0.37 * seed as f64;
-            for level in [0.0, 0.01] {
-                let first = swing(seed, 0.0, 0.01, level);
-                let second = swing(seed, -shift, 0.01, 0.9 * level);
-                let (lag, unlike) = later(&first, &second).expect("it repeats");
-                assert!((0.01 * lag - shift).abs() < 2e-3, "{lag} {shift}");
-                assert!(unlike < AGAIN, "{unlike}");
-            }
-            let other = swing(seed + 1, 0.0, 0.01, 0.0);
-            assert_eq!(later(&swing(seed, 0.0, 0.01, 0.0), &other), None);
-        }
-    }
-
-    #[test]
-    fn verify_samples_at_other_places_are_those_of_the_signal() {
-        for seed in 0..8 {
-            let first = 0.13 * seed as f64;
-            let there = resampled(swing(seed, 0.0, 0.01, 0.0), 0.0083, first);
-            let truth = swing(seed, 0.01 * first, 0.0083, 0.0);
-            let rows = there.channels[0]
-                .values
-                .iter()
-                .zip(&truth.channels[0].values);
-            let rows = rows
-                .zip(&there.channels[0].valid)
-                .filter(|(_, valid)| **valid);
-            assert!(there.channels[0].valid.iter().all(|valid| *valid));
-            assert!(rows.clone().count() > 1400);
-            for ((found, wanted), _) in rows {
-                assert!((found - wanted).abs() < 1e-5, "{found} {wanted}");
-            }
-        }
-    }
-}
+mod tests;

@@ -7,10 +7,11 @@ use super::answer::{
 };
 use super::change::Change;
 use super::split::{both, twin};
+use super::words::verdict;
 use super::{Between, BetweenError, Motion, shared};
 use crate::diagnose::{
-    self, Alternative, Cause, ChannelErrors, DiagnoseError, Diagnosis, NoiseSource, Options,
-    Progress, UnknownCurve, check_units, explain,
+    self, Alternative, Cause, ChannelErrors, DiagnoseError, Diagnosis, Options, Progress,
+    check_units, clock_or_unit, explain,
 };
 use crate::model::{Columns, Model};
 use crate::trial::Trial;
@@ -46,9 +47,32 @@ pub fn changes(
     if pair.repeats() && found.verdict == Verdict::UnknownChange {
         no_more_than_of_one(&of_first.diagnosis, found);
     }
+    if let Some(told) = &of_first.diagnosis.set_up {
+        doubted(&format!("{}: {told}", first.measured().source), &mut answer);
+    }
+    let found = &mut answer.changes;
     found.work.predictions += of_first.diagnosis.work.predictions;
     found.work.seconds = begun.elapsed().as_secs_f64();
     Ok(answer)
+}
+
+/// In a set-up that is not the machine's a change has no name; that nothing changed stays true.
+fn doubted(told: &str, answer: &mut Answer) {
+    let found = &mut answer.changes;
+    let names = [Verdict::Changed, Verdict::Ambiguous, Verdict::UnknownChange];
+    if !names.contains(&found.verdict) {
+        found.doubts.push(told.to_owned());
+        return;
+    }
+    found.verdict = Verdict::UnknownChange;
+    found.reason = format!("{told} {}", found.reason);
+    found.changes.clear();
+    found.alternatives.clear();
+    found.further.clear();
+    found.runner_up = None;
+    found.curve = None;
+    answer.after.clone_from(&answer.before);
+    answer.changed.clone_from(&answer.unchanged);
 }
 
 /// The search for changes, made anew as long as it finds other effects that both recordings share.
@@ -134,6 +158,7 @@ fn check_second(second: &Trial) -> Result<(), DiagnoseError> {
     let numbers: Vec<f64> = second.nominal().iter().map(|one| one.value).collect();
     let nominal = second.predict(&numbers, &[])?;
     check_units(second, &second.observation, &nominal)
+        .map_err(|error| clock_or_unit(second, &second.observation, &nominal, error))
 }
 
 /// The answer of the search in words of changes.
@@ -188,96 +213,6 @@ fn told(
         doubts: found.doubts.clone(),
         ceiling: found.ceiling.clone(),
         ..Changes::default()
-    }
-}
-
-fn verdict(found: &Diagnosis, undecided: &[String]) -> (Verdict, String) {
-    use diagnose::Verdict as Of;
-    let alike = "Several changes explain what differs alike.";
-    match found.verdict {
-        Of::NothingBeyondNoise if undecided.is_empty() => (
-            Verdict::NothingChanged,
-            format!(
-                "Between the recordings nothing changed beyond noise ({}).",
-                noise(found)
-            ),
-        ),
-        Of::NothingBeyondNoise => (
-            Verdict::Ambiguous,
-            format!(
-                "The second recording shows {}; the first does not show whether it was there before.",
-                undecided.join(" and ")
-            ),
-        ),
-        Of::Named => (
-            Verdict::Changed,
-            format!(
-                "The changes named explain what differs up to noise ({}).",
-                noise(found)
-            ),
-        ),
-        Of::Ambiguous => (
-            Verdict::Ambiguous,
-            match found.further.as_slice() {
-                [] => alike.to_owned(),
-                further => format!(
-                    "{alike} Less likely, and not excluded: {}.",
-                    further.join(", ")
-                ),
-            },
-        ),
-        Of::UnknownCause => (Verdict::UnknownChange, unknown(found)),
-        Of::NotIdentifiable => (
-            Verdict::NotIdentifiable,
-            "The recordings would show next to none of the changes at their typical size."
-                .to_owned(),
-        ),
-        Of::FitFailed => (Verdict::FitFailed, found.reason.clone()),
-    }
-}
-
-fn noise(found: &Diagnosis) -> String {
-    let mut sources: Vec<&str> = (found.channels.values())
-        .map(|errors| match errors.noise_source {
-            NoiseSource::Bound => "known from nothing but what is left",
-            source => source.description(),
-        })
-        .collect();
-    sources.sort_unstable();
-    sources.dedup();
-    sources.join(", ")
-}
-
-fn unknown(found: &Diagnosis) -> String {
-    let what = match found.causes.is_empty() {
-        true => "Something changed that no effect known explains",
-        false => "The changes named do not explain all that differs",
-    };
-    let along = |curve: &UnknownCurve| {
-        let over = match curve.kind.as_str() {
-            "joint_friction_by_speed" => "speed",
-            _ => "position",
-        };
-        format!(
-            "it looks like a {} that follows the {over} of {}",
-            match curve.kind.as_str() {
-                "joint_position_curve" => "force",
-                _ => "friction",
-            },
-            curve.target
-        )
-    };
-    let signal = found.ceiling.correlated_signals.first();
-    let followed =
-        signal.map(|one| format!("what is left of `{}` follows {}", one.channel, one.signal));
-    let most = found.channels.iter().max_by(|a, b| {
-        let ratio = |one: &ChannelErrors| one.after / one.noise_floor;
-        ratio(a.1).total_cmp(&ratio(b.1))
-    });
-    let left = most.map(|(name, _)| format!("most is left of `{name}`"));
-    match found.curve.as_ref().map(along).or(followed).or(left) {
-        Some(told) => format!("{what}; {told}."),
-        None => format!("{what}."),
     }
 }
 

@@ -245,6 +245,12 @@ pub struct Diagnosis {
     /// Effects that explain the discrepancy, the strongest first. With `unknown_cause`, those that
     /// explain a part.
     pub causes: Vec<Cause>,
+    /// Another set-up that explains far more than any causes do, and how much.
+    #[serde(default)]
+    pub set_up: Option<String>,
+    /// Effects that come nearest and are not named, in a set-up that is not the machine's.
+    #[serde(default)]
+    pub nearest: Vec<Cause>,
     /// What has no name, as a curve, with `unknown_cause`; null where none predicts it.
     #[serde(default)]
     pub curve: Option<UnknownCurve>,

@@ -104,13 +104,7 @@ pub(super) fn conclude(
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
     judge(problem, excess, &outcome, &mut diagnosis);
-    if let (Verdict::Named, Some(bound)) = (diagnosis.verdict, at_bound(problem, &last)) {
-        diagnosis.verdict = Verdict::UnknownCause;
-        diagnosis.reason = format!(
-            "No size of the effects known fits: {bound}. {}",
-            diagnosis.reason
-        );
-    }
+    tell_end(problem, &last, &mut diagnosis);
     held_out::tell(problem, &refuted, &mut diagnosis);
     test_part::open_test(problem, &base, &last, &bound.changes, &mut diagnosis);
     let curve = unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)?
@@ -152,6 +146,18 @@ fn with_curve(
     diagnosis.nominal = nominal(problem, &shown.fit, &errors);
     unnamed::tell(problem, last, shown, diagnosis);
     Ok(())
+}
+
+/// Takes the verdict back where a size lies at an end of its range.
+fn tell_end(problem: &Problem, last: &Fit, diagnosis: &mut Diagnosis) {
+    let end = at_bound(problem, last).filter(|_| diagnosis.verdict == Verdict::Named);
+    if let Some(end) = end {
+        diagnosis.verdict = Verdict::UnknownCause;
+        diagnosis.reason = format!(
+            "No size of the effects known fits: {end}. {}",
+            diagnosis.reason
+        );
+    }
 }
 
 /// Simulations around the model chosen: causes with their uncertainty, other explanations,

@@ -6,6 +6,13 @@ use super::noise::{add_columns, dot};
 use super::problem::Problem;
 use crate::model::Columns;
 use crate::stats::deviation;
+use truecut_scenario::effect::ParameterInfo;
+
+/// Whether a value lies at an end of where it was looked for. What is gone altogether is no such
+/// end: no friction, a sensor that is dead.
+fn is_at_end(info: &ParameterInfo, value: f64) -> bool {
+    (value == info.min || value == info.max) && value != info.neutral && value != 0.0
+}
 
 /// Two causes cancel if together they change less than this part of what each does.
 const CANCELLING: f64 = 0.25;
@@ -15,10 +22,8 @@ pub(super) fn at_bound(problem: &Problem, fit: &Fit) -> Option<String> {
     fit.point.effects.iter().find_map(|effect| {
         let infos = problem.infos(effect.candidate);
         let mut sizes = infos.iter().zip(&effect.values).enumerate();
-        let (i, (_, value)) = sizes.find(|(_, (info, value))| {
-            let is_bound = **value == info.min || **value == info.max;
-            info.is_size && is_bound && **value != info.neutral
-        })?;
+        let (i, (_, value)) =
+            sizes.find(|(_, (info, value))| info.is_size && is_at_end(info, **value))?;
         let (key, unit) = key_and_unit(problem, effect.candidate, i);
         Some(format!(
             "`{key}` of {} lies at the end of its range, {} {unit}",
@@ -39,8 +44,7 @@ pub(super) fn doubts(problem: &Problem, fit: &Fit) -> Vec<String> {
             if let Some(column) = fit.jacobian.get(position + i).filter(|_| info.is_size) {
                 add_columns(&mut change, column, value - info.neutral);
             }
-            let is_bound = (*value == info.min || *value == info.max) && *value != info.neutral;
-            if is_bound {
+            if is_at_end(info, *value) {
                 let (key, unit) = key_and_unit(problem, effect.candidate, i);
                 found.push(format!(
                     "`{key}` of {} lies at the end of its range, {} {unit}: another cause may be behind it",

@@ -253,16 +253,35 @@ pub(crate) fn explain(
     };
     if let Some(told) = set_up_doubt(model, data, &answer.after) {
         // Causes in a set-up that is not the machine's are none.
-        answer.diagnosis.verdict = Verdict::UnknownCause;
-        answer.diagnosis.alternatives.clear();
-        answer.diagnosis.experiments.clear();
+        answer.unname(problem.start().nominal);
         answer.diagnosis.reason = format!("{told} {}", answer.diagnosis.reason);
+        answer.diagnosis.set_up = Some(told);
     }
     answer.diagnosis.work = Work {
         predictions: problem.predictions(),
         seconds: begun.elapsed().as_secs_f64(),
     };
     Ok(answer)
+}
+
+impl Answer {
+    /// Takes names away from what was found: it is told as what comes nearest, and the model is as
+    /// the scenario has it, with these nominal numbers.
+    fn unname(&mut self, nominal: Vec<f64>) {
+        let found = &mut self.diagnosis;
+        found.verdict = Verdict::UnknownCause;
+        found.nearest = std::mem::take(&mut found.causes);
+        found.alternatives.clear();
+        found.further.clear();
+        found.runner_up = None;
+        found.experiments.clear();
+        found.doubts.clear();
+        found.curve = None;
+        found.nominal.clear();
+        self.nominal = nominal;
+        self.effects.clear();
+        self.after.clone_from(&self.before);
+    }
 }
 
 /// Minus twice the log-likelihood of the data, with the numbers of these effects and the nominal
@@ -287,7 +306,7 @@ pub(crate) fn likelihood(
 }
 
 /// A factor on drive forces may be what a clock does to them.
-fn clock_or_unit(
+pub(crate) fn clock_or_unit(
     model: &dyn Model,
     data: &Observation,
     before: &Columns,

@@ -285,22 +285,8 @@ fn range_of(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use truecut_recording::measured::Role;
-    use truecut_recording::{ChannelSpec, Unit};
-
     use super::*;
-    use crate::testing::{Colour, noise};
-
-    pub(super) fn channel(values: Vec<f64>) -> MeasuredChannel {
-        MeasuredChannel {
-            spec: ChannelSpec::new("joint1.angle", Unit::Radian, "drawn"),
-            role: Role::Input,
-            valid: vec![true; values.len()],
-            values,
-            noise: None,
-            white_kept: 1.0,
-        }
-    }
+    use crate::testing::{Colour, channel, noise};
 
     #[test]
     fn verify_differences_find_white_noise_on_a_smooth_signal() {

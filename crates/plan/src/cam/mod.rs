@@ -139,13 +139,16 @@ fn checked_feed(
     m_per_s: f64,
 ) -> Result<f64, ProgramErrorKind> {
     ProgramErrorKind::unless(m_per_s > 0.0, what, given, "above zero")?;
-    let mm = FASTEST_M_PER_S * 1e3;
+    let in_both = |m_per_s: f64| {
+        let mm = m_per_s * 1e3;
+        format!("{mm} mm/s ({} mm/min)", mm * 60.0)
+    };
     let rule = format!(
-        "at most {mm} mm/s ({} mm/min): no arm leads a tool faster",
-        mm * 60.0
+        "at most {}: no arm leads a tool faster",
+        in_both(FASTEST_M_PER_S)
     );
     ProgramErrorKind::unless(m_per_s <= FASTEST_M_PER_S, what, given, rule)?;
-    let rule = format!("at least {} mm/s: the move would not end", SLOWEST * 1e3);
+    let rule = format!("at least {}: the move would not end", in_both(SLOWEST));
     ProgramErrorKind::unless(m_per_s >= SLOWEST, what, given, rule)?;
     Ok(m_per_s)
 }

@@ -50,13 +50,18 @@ impl SurfacePath {
             areas.push(if is_face { ru.cross(&rv).norm() } else { 0.0 });
         }
         for line in &self.lines {
-            for pair in line.windows(2) {
+            let alone = match line.as_slice() {
+                [only] => Some([only, only]),
+                _ => None,
+            };
+            let pairs = line.windows(2).map(|pair| [&pair[0], &pair[1]]);
+            for pair in pairs.chain(alone) {
                 let way_m = (pair[1].point_m - pair[0].point_m).norm();
                 let reach_m = pair[0].reach_m.min(pair[1].reach_m);
                 let count = (way_m / (PART_OF_REACH * reach_m)).ceil().max(1.0) as usize;
                 for k in 0..=count {
                     let t = k as f64 / count as f64;
-                    let near = if t < 0.5 { &pair[0] } else { &pair[1] };
+                    let near = if t < 0.5 { pair[0] } else { pair[1] };
                     let [u, v] = [(pair[0].u, pair[1].u), (pair[0].v, pair[1].v)]
                         .map(|(a, b)| a + t * (b - a));
                     let jet = surface.jet(u, v);

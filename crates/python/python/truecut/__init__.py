@@ -23,6 +23,7 @@ from ._truecut import (
     SweepTable,
     TruecutError,
     load,
+    lobes,
 )
 
-__all__ = ["Profile", "Recording", "Robot", "Scalar", "Scenario", "SweepTable", "TruecutError", "load"]
+__all__ = ["Profile", "Recording", "Robot", "Scalar", "Scenario", "SweepTable", "TruecutError", "load", "lobes"]

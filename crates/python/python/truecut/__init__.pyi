@@ -26,6 +26,19 @@ class TruecutError(Exception):
 def load(path: Path, overrides: Overrides | None = None) -> Scenario:
     """Reads a scenario file; `overrides` are in the keys' own units."""
 
+def lobes(
+    scenario: Scenario,
+    spindle_rad_s: tuple[float, float] | None = None,
+    deepest_m: float | None = None,
+    *,
+    size: int = 100,
+    at_m: float = 0.0,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """The stability diagram of a milling scenario, SI. N speeds, M depths: `spindle_rad_s` (N), `depth_m` (M),
+    `multiplier` (NxM, stable below 1), `limit_m`, `limit_error_m`, `frequency_hz`, `zero_order_m` (N; NaN where there
+    is none), `mode_coupling_m`, `known_to_rad_s` (or None), `notes`."""
+
 class Scenario:
     @property
     def name(self) -> str: ...

@@ -87,6 +87,27 @@ fn nan_never_holds() {
     );
 }
 
+/// A depth without limit is above any bound, and below none.
+#[test]
+fn an_infinite_scalar_is_a_value() {
+    let mut recording = recording(vec![0.0]);
+    recording.scalars = vec![Scalar::new("depth", Unit::Metre, f64::INFINITY, "")];
+    let judged = |min, max| {
+        let mut claim = claim("m", min, max);
+        claim.metric = MetricSpec::Scalar {
+            name: "depth".into(),
+        };
+        claim.evaluate(&recording, None).unwrap()
+    };
+    let deep = judged(Some(2e-3), None);
+    assert!(deep.holds, "{deep:?}");
+    assert_eq!(deep.shown, "infinite, at least 0.002000 m");
+    let json = serde_json::to_value(&deep).unwrap();
+    assert!(json["value"].is_null());
+    assert_eq!(json["value_status"], "infinite");
+    assert!(!judged(None, Some(2e-3)).holds);
+}
+
 #[test]
 fn a_diverged_run_holds_nothing() {
     let mut recording = recording(vec![0.0, 0.1]);

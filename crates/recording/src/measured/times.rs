@@ -6,7 +6,7 @@ use super::{Mapping, Table, TimeBase};
 use crate::unit::{Unit, UserUnit, short_number};
 
 /// Names of columns of times, without what stands behind them.
-const TIME_NAMES: [&str; 9] = [
+const TIME_NAMES: [&str; 10] = [
     "t",
     "time",
     "timestamp",
@@ -16,6 +16,7 @@ const TIME_NAMES: [&str; 9] = [
     "datetime",
     "date",
     "epoch",
+    "ipoc",
 ];
 
 /// Part by which a rate that is given may miss that of the file's own times: clocks of drives
@@ -55,10 +56,12 @@ fn named_times(table: &Table) -> Option<Times> {
     Some((column.name.clone(), unit, guessed))
 }
 
-/// A column's name without its unit: `Time [ms]`, `t_s` and `time (s)` are `time`, `t` and `time`.
+/// A column's name without its unit and what it is part of: `Time [ms]`, `drive.t_s` and `time (s)`
+/// are `time`, `t` and `time`.
 fn bare_name(name: &str) -> String {
     let lower = name.to_lowercase();
     let bare = lower.split(['[', '(']).next().unwrap_or_default().trim();
+    let bare = bare.rsplit('.').next().unwrap_or(bare);
     let without = ["_s", "_ms", "_us", "_ns"].iter();
     let bare = without.fold(bare, |bare, end| bare.strip_suffix(end).unwrap_or(bare));
     bare.to_owned()

@@ -124,6 +124,7 @@ impl BeltTable {
             let message = "is 0, but must not be: a belt that stands still only rubs by the feed";
             check.wrong(TABLE, "belt_m_per_s", message, "does not run");
         }
+        check.belt(TABLE, "belt_m_per_s", self.belt_m_per_s);
         let polishing = self.roughness.resolve(TABLE, check);
         let path = match self.path {
             None => Some(None),

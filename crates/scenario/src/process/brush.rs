@@ -167,6 +167,7 @@ impl BrushTable {
         ];
         let is_sound = faults.iter().all(Option::is_none);
         (faults.into_iter().flatten()).for_each(|fault| check.refuse(fault));
+        check.rim(TABLE, "speed_rpm", self.speed_rpm, from_mm(self.radius_mm));
         let way = self.way(folder, check);
         let edges: Vec<Option<EdgeSpec>> = (self.edge.into_iter().enumerate())
             .map(|(index, edge)| edge.resolve(index, check))

@@ -187,6 +187,8 @@ impl ChamferTable {
             let label = "reached at the first touch";
             check.wrong("process.chamfer", "depth_mm", message, label);
         }
+        let hole_radius_m = from_mm(self.hole_diameter_mm) / 2.0;
+        check.rim(TABLE, "spindle_rpm", self.spindle_rpm, hole_radius_m);
         let spindle_rad_s = from_rpm(self.spindle_rpm);
         let half_angle_rad = from_deg(self.half_angle_deg);
         let coefficients = match one_of(TABLE, self.material, self.cutting, check)? {
@@ -206,7 +208,7 @@ impl ChamferTable {
                 dwell_revolutions: self.dwell_revolutions.unwrap_or(DEFAULT_DWELL_REVOLUTIONS),
             },
             chip: ChipArea::new(half_angle_rad),
-            hole_radius_m: from_mm(self.hole_diameter_mm) / 2.0,
+            hole_radius_m,
             start_angle_rad: from_deg(self.start_angle_deg.unwrap_or(0.0)),
             regeneration: self.regeneration.unwrap_or_default(),
             coefficients,

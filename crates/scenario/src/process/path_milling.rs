@@ -180,7 +180,10 @@ impl PathMillingTable {
         let stock = self.stock.resolve(cutter.radius_m, check);
         let path = path?;
         let spindle = match self.spindle_rpm {
-            Some(rpm) => SpindleSpec::Steady(from_rpm(rpm)),
+            Some(rpm) => {
+                check.rim(TABLE, "spindle_rpm", rpm, cutter.radius_m);
+                SpindleSpec::Steady(from_rpm(rpm))
+            }
             None => spindle_of_file(&path, !attached.over_speed.is_empty(), check)?,
         };
         let (block, holes, grid_m) = stock?;
@@ -234,7 +237,7 @@ fn spindle_of_file(
     let spindle = SpindleSpec::OfFile(speeds);
     if modes_over_speed && spindle.steady_rad_s().is_none() {
         let message = format!(
-            "`{TABLE}.path.file`: {file} changes the spindle's speed, but modes that are given over it are taken              at one: give `spindle_rpm`"
+            "`{TABLE}.path.file`: {file} changes the spindle's speed, but modes that are given over it are taken at one: give `spindle_rpm`"
         );
         let key = format!("{TABLE}.path.file");
         check.refuse(Fault::value(&key, message, "changes the speed"));

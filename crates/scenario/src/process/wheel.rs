@@ -96,10 +96,12 @@ pub(crate) struct WheelTable {
     preston_per_pa: f64,
 }
 
+const TABLE: &str = "process.wheel";
 const DEFAULT_STRIP_CELLS: u32 = 400;
 
 impl WheelTable {
-    pub(crate) fn resolve(self) -> WheelSpec {
+    pub(crate) fn resolve(self, check: &mut Check) -> WheelSpec {
+        check.rim(TABLE, "speed_rpm", self.speed_rpm, from_mm(self.radius_mm));
         WheelSpec {
             contact: WheelContact {
                 radius_m: from_mm(self.radius_mm),
@@ -134,8 +136,8 @@ const KNOBS: &[Knob] = &[
 impl Room for WheelSpec {
     type Table = WheelTable;
 
-    fn resolve(table: WheelTable, _folder: &Path, _check: &mut Check) -> Option<Self> {
-        Some(table.resolve())
+    fn resolve(table: WheelTable, _folder: &Path, check: &mut Check) -> Option<Self> {
+        Some(table.resolve(check))
     }
 
     fn facts(&self) -> Facts {

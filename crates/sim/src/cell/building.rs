@@ -87,6 +87,9 @@ impl Cell {
         let mut notes = prepared.notes.clone();
         notes.extend(servo_note(&prepared));
         notes.extend(unchecked_note(&prepared));
+        // An arm without modes tells why where they are needed.
+        let modes = prepared.robot.modes(&prepared.start, None);
+        notes.extend(modes.ok().and_then(|modes| modes.overdamped_note()));
         notes.push(step_note);
         if interval > 0.0 && (recorded / interval - 1.0).abs() > 1e-6 {
             notes.push(format!(
@@ -271,4 +274,31 @@ fn hasty_clock(measured: &Measured, time_step_s: f64) -> Option<String> {
             significant(time_step_s, 3)
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Times as a file has them that begins somewhere: whole steps, rounded to its decimals.
+    #[test]
+    fn a_sample_to_a_step_is_no_hasty_clock() {
+        for (begins, step_s) in [(1.0, 1e-3), (7.3, 2e-3), (1234.5, 1e-3), (0.1, 5e-4)] {
+            for rows in [2, 11, 1000] {
+                let stamps = (0..rows).map(|row| begins + f64::from(row) * step_s);
+                let time_s = stamps.map(|stamp| (stamp * 1e4).round() / 1e4 - begins);
+                let mut measured = Measured {
+                    time_s: time_s.collect(),
+                    ..Measured::default()
+                };
+                let told = hasty_clock(&measured, step_s);
+                assert_eq!(told, None, "{begins} s, {step_s} s, {rows} rows");
+                measured
+                    .time_s
+                    .iter_mut()
+                    .for_each(|time_s| *time_s *= 1e-3);
+                assert!(hasty_clock(&measured, step_s).is_some());
+            }
+        }
+    }
 }

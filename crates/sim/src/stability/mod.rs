@@ -5,6 +5,7 @@
 //! scenario act in runs only.
 
 mod damping;
+mod diagram;
 mod draws;
 pub(crate) mod known;
 mod runs;

@@ -57,7 +57,7 @@ impl SweepTable {
                 .total_cmp(&bounds.excess(values[*b]))
                 .then(b.cmp(a))
         });
-        let worst = row.map(|row| values[row]).filter(|value| value.is_finite());
+        let worst = row.map(|row| values[row]).filter(|value| !value.is_nan());
         let row_name = row.map_or_else(|| "no row".to_owned(), |row| self.row_name(row));
         let run = row.and_then(|row| self.faults[row].as_ref());
         let why = run.map_or("the row has no value", |run| run.why.as_str());
@@ -91,7 +91,9 @@ impl SweepTable {
                     row[index] * self.columns[index].unit.si_factor
                 })
             };
-            over.map_or(si(column), |over| si(column) / si(over))
+            // What is divided by nothing does not exist.
+            let ratio = |over| Some(si(column) / si(over)).filter(|ratio| ratio.is_finite());
+            over.map_or(si(column), |over| ratio(over).unwrap_or(f64::NAN))
         };
         let unit = match (column, over) {
             (Some(index), None) => self.columns[index].unit.clone(),

@@ -1,6 +1,7 @@
 //! Measured data from files: tables of numbers, as other programs write them.
 
 mod arrow_table;
+mod telegrams;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -13,8 +14,8 @@ use crate::contained::contained;
 use crate::error::{FileError, Reason};
 use crate::log;
 
-/// Reads a table of numbers, by the ending of its name: `.csv` (also `.txt`, `.tsv`), `.parquet`,
-/// `.arrow` (also `.feather`, `.arrows`).
+/// Reads a table of numbers, by the ending of its name: `.csv` (also `.txt`, `.tsv`, `.log`),
+/// `.parquet`, `.arrow` (also `.feather`, `.arrows`), `.xml` for telegrams.
 ///
 /// A CSV file may be delimited by semicolons, tabs, commas or blanks, and decimals written with a
 /// comma where that does not delimit; lines that begin with `#` are comments. With `header` its
@@ -24,6 +25,10 @@ use crate::log;
 /// be of any type of number. Stamps (2026-05-04T09:30:00.125Z; in Parquet and Arrow the type for
 /// them) are seconds since the beginning of 1970. A text that is not UTF-8 is read as Latin-1
 /// (Windows-1252).
+///
+/// A text that begins with a telegram `<Rob …>` of KUKA.RobotSensorInterface is a log of these: a
+/// row a telegram, a column an attribute (`AIPos.A1`, deg; `RIst.X`, mm), times in `IPOC`, ms. What
+/// an answer `<Sen …>` of the same `IPOC` holds stands in the same row.
 ///
 /// # Errors
 /// A file that cannot be read; a cell that is not a number, with its line and column; a log.
@@ -73,7 +78,7 @@ enum Kind {
 fn kind(path: &Path) -> Option<Kind> {
     let ending = path.extension()?.to_str()?.to_ascii_lowercase();
     Some(match ending.as_str() {
-        "csv" | "txt" | "tsv" => Kind::Text,
+        "csv" | "txt" | "tsv" | "log" | "xml" => Kind::Text,
         "parquet" => Kind::Parquet,
         "arrow" | "feather" | "arrows" => Kind::Arrow,
         "mcap" => Kind::Log,

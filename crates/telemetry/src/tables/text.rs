@@ -8,11 +8,22 @@ use truecut_files::{CellRow, Cells};
 use truecut_recording::UserUnit;
 use truecut_recording::measured::{Column, Table};
 
+use super::telegrams;
 use crate::error::Reason;
 
 pub(super) fn text_table(path: &Path, header: bool) -> Result<Table, Reason> {
     let bytes = truecut_files::read(path)?;
     let (mut text, mut notes) = decoded(bytes)?;
+    if telegrams::are_in(&text) {
+        let mut table = telegrams::table(&text)?;
+        table.notes.append(&mut notes);
+        return Ok(table);
+    }
+    if text.trim_start().starts_with('<') {
+        let text = "an XML file is read where it holds telegrams <Rob …> of KUKA's RSI, and there \
+                    is none near its beginning";
+        return Err(Reason::NotATable(text.into()));
+    }
     if header && let Some((first, last)) = preamble(&text) {
         notes.push(match first == last {
             true => format!("line {first} is no part of the table"),
@@ -237,6 +248,9 @@ fn names(first: &CellRow, header: bool) -> Result<Vec<String>, Reason> {
 fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     match cell {
         "" | "NA" | "na" | "N/A" | "null" => Some(f64::NAN),
+        // As Python writes them.
+        "True" | "true" => Some(1.0),
+        "False" | "false" => Some(0.0),
         other => (truecut_files::number(other, decimal_comma))
             .or_else(|| stamp(other))
             .or_else(|| {

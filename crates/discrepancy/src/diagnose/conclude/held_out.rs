@@ -63,7 +63,9 @@ pub(super) fn kept(
 }
 
 /// The channel in which the larger model raises the held-out error most, with both errors, if it
-/// raises one and lowers none by what is worth naming, and that is no chance.
+/// raises one and lowers none by what is worth naming, that is no chance, and no channel shows
+/// anything of what the cause does: a pattern that is there, and only out of step or of another
+/// size, contradicts no cause.
 fn worse(problem: &Problem, small: &Fit, large: &Fit) -> Option<(usize, [f64; 2])> {
     let test = &problem.split.test;
     let [before, after] = [small, large].map(|fit| rms(&fit.residual, test));
@@ -73,9 +75,21 @@ fn worse(problem: &Problem, small: &Fit, large: &Fit) -> Option<(usize, [f64; 2]
         return None;
     }
     let rise = |c: &usize| after[*c] / before[*c].max(f64::MIN_POSITIVE);
-    let most = channels.max_by(|a, b| rise(a).total_cmp(&rise(b)))?;
+    let most = (channels.clone()).max_by(|a, b| rise(a).total_cmp(&rise(b)))?;
     let clear = rise(&most) > 1.0 + least && risen(test, most, small, large) > LEAST_T;
-    clear.then(|| (most, [before[most], after[most]]))
+    let mut shows = channels.filter(|c| shown(test, *c, small, large) > LEAST_T);
+    (clear && shows.next().is_none()).then(|| (most, [before[most], after[most]]))
+}
+
+/// By how many standard errors what the cause does in a channel is in what the smaller model leaves
+/// there: the sum of its products with that.
+fn shown(test: &Rows, channel: usize, small: &Fit, large: &Fit) -> f64 {
+    let [small, large] = [small, large].map(|fit| &fit.residual[channel]);
+    let products = test.per_channel[channel].iter();
+    let products: Vec<f64> = products
+        .map(|&t| small[t] * (small[t] - large[t]))
+        .collect();
+    in_errors(&products)
 }
 
 /// By how many standard errors the squares of a channel rise.
@@ -84,7 +98,12 @@ fn risen(test: &Rows, channel: usize, small: &Fit, large: &Fit) -> f64 {
     let rises: Vec<f64> = (test.per_channel[channel].iter())
         .map(|&t| squares(large, t) - squares(small, t))
         .collect();
-    let sums = batch_sums(&rises);
+    in_errors(&rises)
+}
+
+/// A sum over its standard error.
+fn in_errors(values: &[f64]) -> f64 {
+    let sums = batch_sums(values);
     sums.iter().sum::<f64>() / error_of_sum(&sums).max(f64::MIN_POSITIVE)
 }
 

@@ -11,7 +11,11 @@ use crate::diagnose::problem::{Point, Problem};
 use crate::diagnose::search::without;
 use crate::diagnose::validate::rms;
 use crate::model::PredictError;
-use truecut_scenario::effect::Target;
+use truecut_scenario::effect::{EffectKind, Target};
+
+/// Effects of a sensor that the rest of a law's shape looks like. A delay does not: no law of a joint
+/// comes late.
+const LIKE_A_LAW: [EffectKind; 2] = [EffectKind::SensorGain, EffectKind::SensorOffset];
 
 /// The model without effects of sensors that take away no more of their channel's discrepancy than
 /// causes may leave, beside a cause in the joint that is measured there; and a sentence on each.
@@ -71,7 +75,7 @@ fn measured_cause(problem: &Problem, point: &Point, index: usize) -> Option<usiz
     };
     let beside = point.candidates().into_iter().any(is_of_joint);
     let mut channels = problem.model.channels().iter();
-    (beside && own.kind.family().is_instrumental())
+    (beside && LIKE_A_LAW.contains(&own.kind))
         .then(|| channels.position(|spec| spec.name == *name))
         .flatten()
 }

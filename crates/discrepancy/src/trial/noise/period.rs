@@ -117,9 +117,8 @@ pub(crate) fn weights(t: f64) -> [f64; 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::channel;
     use super::*;
-    use crate::testing::{Colour, noise};
+    use crate::testing::{Colour, channel, noise};
 
     #[test]
     fn verify_periods_are_found_to_a_part_of_an_interval() {

@@ -17,6 +17,7 @@ use truecut_core::cutting::chamfer::CuttingCoefficients;
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_plan::motion::straight::StraightPath;
+use truecut_recording::short_number;
 
 use crate::check::Check;
 use crate::fault::Fault;
@@ -65,8 +66,9 @@ impl MillingSpec {
         let pass_s = self.pass_s();
         if duration_s > pass_s * (1.0 + 1e-9) {
             let message = format!(
-                "`run.duration_s` is {duration_s}, but the path of {} mm ends after {pass_s} s: the tool has nowhere to go",
-                self.path.length_m * 1e3
+                "`run.duration_s` is {duration_s}, but the path of {} mm ends after {} s: the tool has nowhere to go",
+                self.path.length_m * 1e3,
+                short_number(pass_s)
             );
             let fault = Fault::value("run.duration_s", message, "longer than the path takes");
             check.refuse(fault.with_help("lengthen the path, or leave the key out"));
@@ -167,6 +169,7 @@ impl MillingTable {
             diameter_m,
             check,
         );
+        check.rim(TABLE, "spindle_rpm", self.spindle_rpm, cutter.radius_m);
         let spindle_rad_s = from_rpm(self.spindle_rpm);
         let period_s = tooth_period_s(spindle_rad_s, &cutter);
         let feed_m_per_s = feed(

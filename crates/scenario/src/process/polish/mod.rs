@@ -151,6 +151,7 @@ impl PolishTable {
             check.ignored(TABLE, &["eccentricity_angle_deg"], because);
         }
         let wheel = self.wheel.resolve(check);
+        check.rim(TABLE, "spin_rpm", self.spin_rpm, wheel.radius_m);
         let face = self.face.resolve(check);
         let path = (face.as_ref()).and_then(|(face, _)| self.path.resolve(face, check));
         let precession = self.precession.resolve(check);

@@ -1,5 +1,7 @@
 //! What is in a file of measured data, and the table of a scenario that would read it.
 
+mod robots;
+
 use std::path::Path;
 
 use truecut_discrepancy::spikes;
@@ -35,7 +37,8 @@ pub struct InspectedTable {
 pub fn inspect(path: &Path, header: bool) -> Result<Inspected, FileError> {
     let tables = read_tables(path, header)?;
     let looked_at = tables.tables.iter().map(|table| {
-        let facts = facts(table);
+        let mut facts = facts(table);
+        robots::say_units(&mut facts);
         let values = |name: &str| table.column(name).unwrap_or_default();
         let spikes = facts
             .columns
@@ -102,7 +105,11 @@ fn channel(column: &ColumnFacts, taken: &mut Vec<String>) -> String {
             None => ("1".to_owned(), " # not in the file: give its unit"),
         },
     };
-    let guess = channel_by_name(&column.name, &unit).filter(|guess| !taken.contains(guess));
+    let guess = match robots::knows(&column.name) {
+        true => robots::channel(&column.name),
+        false => channel_by_name(&column.name, &unit),
+    };
+    let guess = guess.filter(|guess| !taken.contains(guess));
     let (name, of_name) = match guess {
         Some(name) => (name, " # by its name"),
         None => (
