@@ -13,8 +13,8 @@ use crate::diagnose::validate::rms;
 use crate::model::PredictError;
 use truecut_scenario::effect::{EffectKind, Target};
 
-/// Effects of a sensor that the rest of a law's shape looks like. A delay does not: no law of a joint
-/// comes late.
+/// Effects of a sensor that the rest of a law's shape looks like. A delay does not: no law of a
+/// joint comes late.
 const LIKE_A_LAW: [EffectKind; 2] = [EffectKind::SensorGain, EffectKind::SensorOffset];
 
 /// The model without effects of sensors that take away no more of their channel's discrepancy than
