@@ -34,6 +34,7 @@ fn main() {
         inverse::validate_ur10e_torque_errors_without_and_with_the_payload,
         turning::validate_turning_runout_is_named_and_the_chuck_is_described,
         ur10e::validate_ur10e_friction_is_named_without_load_and_the_payload_with_it,
+        ur10e::validate_ur10e_whose_base_is_turned_is_told_before_causes,
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit()
 }

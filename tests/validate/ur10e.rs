@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::support::{
     NoData, data_file, diagnosed_with, extended_text, measured, named, relative, residual, scenario,
 };
-use truecut_discrepancy::diagnose::{Options, Verdict};
+use truecut_discrepancy::diagnose::{Options, Verdict, diagnose};
+use truecut_discrepancy::trial::Trial;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::EffectKind;
 use truecut_sim::InverseModel;
@@ -168,5 +169,51 @@ pub fn validate_ur10e_friction_is_named_without_load_and_the_payload_with_it() -
             joint + 1
         );
     }
+    Ok(())
+}
+
+/// The scenario with a base that is turned against the real one's, in this folder.
+fn turned(rpy: &str, folder: &Path) -> Scenario {
+    let nominal = scenario("ur10e_inverse.toml");
+    let urdf = std::fs::read_to_string(&nominal.robot.urdf).expect("the asset");
+    let hung = format!(
+        "<link name=\"wall\"/><joint name=\"hung\" type=\"fixed\"><parent link=\"wall\"/>\
+         <child link=\"base\"/><origin xyz=\"0 0 0\" rpy=\"{rpy}\"/></joint></robot>"
+    );
+    std::fs::write(folder.join("robot.urdf"), urdf.replace("</robot>", &hung)).expect("written");
+    let config = nominal.robot.urdf.with_file_name("robot.toml");
+    std::fs::copy(config, folder.join("robot.toml")).expect("copied");
+    let text = std::fs::read_to_string(nominal.path()).expect("the scenario");
+    let text = text.replace("../../assets/robots/ur10e/", "");
+    let path = folder.join("turned.toml");
+    Scenario::from_str(&path, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+/// The real arm stands. In a file in which it hangs on a wall, from either axis, or from a ceiling,
+/// that is said, and nothing is named in its place, though friction and delays fit a part.
+pub fn validate_ur10e_whose_base_is_turned_is_told_before_causes() -> Result<(), NoData> {
+    let file = data_file("ur10e/ur-20_02_19_14harm50sec.csv")?;
+    for (rpy, says) in [
+        ("1.5707963 0 0", "stands on a wall, its y axis down"),
+        ("0 1.5707963 0", "stands on a wall, its x axis up"),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let answer = diagnosed_with(&turned(rpy, folder.path()), &file, &Options::default());
+        let found = &answer.diagnosis;
+        let told = found.set_up.as_deref().unwrap_or("nothing");
+        assert!(told.contains(says), "{rpy}: {told}");
+        assert!(found.reason.starts_with(told), "{}", found.reason);
+        assert_eq!(found.verdict, Verdict::UnknownCause);
+        assert!(found.causes.is_empty() && answer.effects.is_empty());
+        assert!(found.alternatives.is_empty() && !found.nearest.is_empty());
+        assert_eq!(answer.before, answer.after);
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let hung = turned("3.1415927 0 0", folder.path());
+    let data = measured(&hung, &file);
+    let trial = Trial::new(&hung, &data).unwrap_or_else(|e| panic!("{e}"));
+    let refused = diagnose(&trial, &trial.observation, &Options::default(), &|_| ());
+    let told = refused.expect_err("torques of the other sign").to_string();
+    assert!(told.contains("from a ceiling"), "{told}");
     Ok(())
 }
