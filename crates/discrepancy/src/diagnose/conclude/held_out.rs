@@ -63,8 +63,8 @@ pub(super) fn kept(
 }
 
 /// The channel in which the larger model raises the held-out error most, with both errors, if it
-/// raises one and lowers none by what is worth naming, that is no chance, and no channel shows
-/// anything of what the cause does: a pattern that is there, and only out of step or of another
+/// raises one and lowers none by what is worth naming, that is no chance, and nothing of what the
+/// cause does shows there: a pattern that is there, and only out of step or of another
 /// size, contradicts no cause.
 fn worse(problem: &Problem, small: &Fit, large: &Fit) -> Option<(usize, [f64; 2])> {
     let test = &problem.split.test;
@@ -77,17 +77,22 @@ fn worse(problem: &Problem, small: &Fit, large: &Fit) -> Option<(usize, [f64; 2]
     let rise = |c: &usize| after[*c] / before[*c].max(f64::MIN_POSITIVE);
     let most = (channels.clone()).max_by(|a, b| rise(a).total_cmp(&rise(b)))?;
     let clear = rise(&most) > 1.0 + least && risen(test, most, small, large) > LEAST_T;
-    let mut shows = channels.filter(|c| shown(test, *c, small, large) > LEAST_T);
-    (clear && shows.next().is_none()).then(|| (most, [before[most], after[most]]))
+    let contradicts = clear && shown(problem, small, large) <= LEAST_T;
+    contradicts.then(|| (most, [before[most], after[most]]))
 }
 
-/// By how many standard errors what the cause does in a channel is in what the smaller model leaves
-/// there: the sum of its products with that.
-fn shown(test: &Rows, channel: usize, small: &Fit, large: &Fit) -> f64 {
-    let [small, large] = [small, large].map(|fit| &fit.residual[channel]);
-    let products = test.per_channel[channel].iter();
-    let products: Vec<f64> = products
-        .map(|&t| small[t] * (small[t] - large[t]))
+/// By how many standard errors what the cause does is in what the smaller model leaves of the
+/// held-out part: the sum of their products over all channels, each in units of its own remainder.
+fn shown(problem: &Problem, small: &Fit, large: &Fit) -> f64 {
+    let test = &problem.split.test;
+    let sizes = rms(&small.residual, test);
+    let products: Vec<f64> = (sizes.iter().enumerate())
+        .filter(|(_, size)| **size > 0.0)
+        .flat_map(|(channel, size)| {
+            let [small, large] = [small, large].map(|fit| &fit.residual[channel]);
+            (test.per_channel[channel].iter())
+                .map(move |&t| small[t] * (small[t] - large[t]) / size.powi(2))
+        })
         .collect();
     in_errors(&products)
 }
