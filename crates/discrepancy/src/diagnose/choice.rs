@@ -8,7 +8,7 @@ use super::problem::Problem;
 use super::screen::critical;
 use super::search::{DECISIVE, Search};
 use super::smooth::price;
-use super::validate::{Paired, compare, objective, rms};
+use super::validate::{Paired, compare, gain_in_size, objective, rms};
 use crate::stats::deviation;
 
 /// The validation gain must be beyond so many standard errors; detection on the training rows has
@@ -80,13 +80,15 @@ impl Search<'_, '_> {
     }
 
     /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs
-    /// there are, and for noise of any memory.
+    /// there are, and for noise of any memory. What is larger than noise that is known may be
+    /// followed by an autoregression as well as noise: its size tells.
     fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
         let added = &trial.point.effects[base.point.effects.len()..];
         let dof = added.iter().map(|f| f.values.len()).sum();
         let tests = tests.pow(added.len() as u32);
         let bar = critical(self.problem.options.family_wise_error, tests, dof);
-        let gain = base.objective - trial.objective;
+        let gain = base.objective - trial.objective
+            + gain_in_size(self.problem, base, trial, &self.problem.split.train);
         gain > bar && stands_out(self.problem, gain, &base.residual, &trial.residual)
     }
 

@@ -18,7 +18,7 @@ use super::problem::{Found, Problem};
 use super::screen::{Ranked, critical, nuisance, projected};
 use super::search::{Outcome, without};
 use super::uncertainty::standard_errors;
-use super::validate::{compare, rms};
+use super::validate::{compare, gain_in_size, rms};
 use crate::model::Columns;
 
 /// Normal quantile of a two-sided 95 % interval.
@@ -83,7 +83,8 @@ fn evidence(problem: &Problem, full: &Fit, index: usize) -> Result<Evidence, Dia
         &full.noise,
         &problem.split.validation,
     );
-    let likelihood_gain = small.objective - full.objective;
+    let likelihood_gain =
+        small.objective - full.objective + gain_in_size(problem, &small, full, rows);
     let price = (weight(problem, full) - weight(problem, &small)) * (rows.len() as f64).ln();
     Ok(Evidence {
         likelihood_gain,

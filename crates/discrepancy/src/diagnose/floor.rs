@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::data::{Output, Rows};
 use super::noise::{ChannelNoise, dot};
-use crate::stats::{centred, deviation};
+use crate::stats::{centred, deviation, mean};
 
 /// Where the size of a noise is known from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -104,6 +104,8 @@ pub(super) struct Beyond {
     pub ratio: f64,
     /// Variance left, less that of the noise.
     pub variance: f64,
+    /// Of the ratio, relative.
+    pub error: f64,
 }
 
 impl Floor {
@@ -149,11 +151,50 @@ impl Floor {
     /// What is left of a channel at the rows beyond the floor, if that is no chance: as it is, or
     /// whitened.
     pub fn beyond(&self, residual: &[f64], rows: &[usize]) -> Option<Beyond> {
-        let plain = self.plain(residual, rows);
-        let whitened = (self.whitening.as_ref())
-            .map(|noise| self.test(&[noise.whiten(residual, rows)], noise.sigma, 1.0));
-        let found = [Some(plain), whitened].into_iter().flatten().flatten();
+        let constant = self.constant(residual, rows);
+        let found = self.larger(residual, rows).into_iter().chain(constant);
         found.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    /// By how much a residual at the rows is larger than noise can be, as minus twice a
+    /// log-likelihood: the square of the standard errors by which its size is, and of its mean in
+    /// standard deviations of the noise, each beyond what noise of any memory comes to.
+    pub fn loss(&self, residual: &[f64], rows: &[usize]) -> f64 {
+        let values: Vec<f64> = rows.iter().map(|&t| residual[t]).collect();
+        let apart = (self.away(&values) / LEAST_T).powi(2) - 1.0;
+        let larger = (self.larger(residual, rows).into_iter())
+            .map(|beyond| (beyond.ratio.ln() / (LEAST_T * beyond.error)).powi(2) - 1.0)
+            .fold(0.0, f64::max);
+        LEAST_T.powi(2) * apart.max(larger)
+    }
+
+    /// Mean in standard deviations, of the noise as it is known, which is about the mean of short
+    /// stretches, and as these values vary about theirs.
+    fn away(&self, values: &[f64]) -> f64 {
+        let varies = deviation(values).hypot(self.numerical).hypot(self.rms);
+        mean(values).abs() / varies.max(f64::MIN_POSITIVE)
+    }
+
+    /// What the mean adds, if that is no noise: one that is known from stretches about their own
+    /// means says nothing of it.
+    fn constant(&self, residual: &[f64], rows: &[usize]) -> Option<Beyond> {
+        let values: Vec<f64> = rows.iter().map(|&t| residual[t]).collect();
+        let away = self.away(&values);
+        (values.len() > 1 && away > LEAST_T).then(|| Beyond {
+            ratio: 1.0 + (mean(&values) / self.rms).powi(2),
+            variance: mean(&values).powi(2),
+            error: self.error,
+        })
+    }
+
+    /// What is larger than noise, as it is and whitened.
+    fn larger(&self, residual: &[f64], rows: &[usize]) -> Vec<Beyond> {
+        let whitened = (self.whitening.as_ref())
+            .and_then(|noise| self.test(&[noise.whiten(residual, rows)], noise.sigma, 1.0));
+        self.plain(residual, rows)
+            .into_iter()
+            .chain(whitened)
+            .collect()
     }
 
     fn plain(&self, residual: &[f64], rows: &[usize]) -> Option<Beyond> {
@@ -185,6 +226,7 @@ impl Floor {
         (ratio > EXCESS && ratio.ln() > LEAST_T * error).then(|| Beyond {
             ratio,
             variance: (ratio - 1.0) * expected * self.rms.powi(2),
+            error,
         })
     }
 }
@@ -239,6 +281,14 @@ fn quantum(values: &[f64]) -> f64 {
     .min(largest)
 }
 
+/// By how much residuals are larger than noise of the sizes that are known can be, as minus twice a
+/// log-likelihood; see [`Floor::loss`].
+pub(super) fn loss(floors: &[Option<Floor>], residual: &[Vec<f64>], rows: &Rows) -> f64 {
+    let channels = floors.iter().zip(residual).zip(&rows.per_channel);
+    let losses = channels.filter_map(|((floor, x), rows)| Some(floor.as_ref()?.loss(x, rows)));
+    losses.sum()
+}
+
 /// Root mean square of each channel on the rows, over the noise, where that is known and less is no
 /// chance.
 pub(super) fn left_beyond(
@@ -252,83 +302,4 @@ pub(super) fn left_beyond(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::{Colour, noise};
-
-    const COLOURS: [Colour; 4] = [
-        Colour::White,
-        Colour::Ar1(0.5),
-        Colour::Ar1(0.9),
-        Colour::Pink,
-    ];
-
-    /// Noise of 600 samples beside so many seen elsewhere.
-    fn drawn(colour: Colour, seed: u64, stretches: usize, length: usize) -> (Floor, Vec<f64>) {
-        let all = noise(colour, 600 + stretches * length, seed);
-        let (own, other) = all.split_at(600);
-        let sample = other.chunks(length).map(<[f64]>::to_vec).collect();
-        let output = Output {
-            values: own.to_vec(),
-            valid: vec![true; own.len()],
-            noise: None,
-            sample: NoiseSample::of(NoiseSource::Standstill, sample, 40),
-            noise_without_memory: 0.0,
-            held_step: 0.0,
-        };
-        (Floor::of(&output).unwrap(), own.to_vec())
-    }
-
-    #[test]
-    fn verify_noise_is_within_its_own_floor() {
-        let rows: Vec<usize> = (10..600).collect();
-        for (k, colour) in COLOURS.into_iter().enumerate() {
-            for (stretches, length) in [(5, 40), (1, 400), (30, 8)] {
-                let beyond = (0..200).filter(|seed| {
-                    let (floor, own) = drawn(colour, 1000 * k as u64 + seed, stretches, length);
-                    floor.beyond(&own, &rows).is_some()
-                });
-                let count = beyond.count();
-                assert!(
-                    count <= 2,
-                    "{colour:?} {stretches} x {length}: {count} of 200"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn verify_a_pattern_is_beyond_the_floor() {
-        let rows: Vec<usize> = (10..600).collect();
-        for colour in COLOURS {
-            for seed in 0..50 {
-                let (floor, own) = drawn(colour, 50_000 + seed, 5, 40);
-                let size = 4.0 * deviation(&own);
-                let place = |t: usize| (0.07 * t as f64).sin() + (0.03 * t as f64).cos();
-                let rippled: Vec<f64> = (own.iter().enumerate())
-                    .map(|(t, n)| n + size * (9.0 * place(t) + seed as f64).sin())
-                    .collect();
-                assert!(floor.beyond(&rippled, &rows).is_some(), "{colour:?} {seed}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_sensor_at_rest_has_the_noise_of_its_steps() {
-        let step = 0.01;
-        let rounded = |x: f64| (x / step).round() * step;
-        let values: Vec<f64> = (0..600)
-            .map(|t| rounded((0.05 * t as f64).sin() * 0.1))
-            .collect();
-        let output = Output {
-            values,
-            valid: vec![true; 600],
-            noise: None,
-            sample: NoiseSample::of(NoiseSource::Standstill, vec![vec![0.0; 100]], 40),
-            noise_without_memory: 0.0,
-            held_step: 0.0,
-        };
-        let floor = Floor::of(&output).unwrap();
-        assert!((floor.rms / (step / 12_f64.sqrt()) - 1.0).abs() < 1e-6);
-    }
-}
+mod tests;

@@ -6,6 +6,7 @@ use truecut_scenario::UncertainSpec;
 use truecut_scenario::effect::{Effect, ParameterInfo};
 
 use super::data::{Observation, Rows, Split};
+use super::floor::{Floor, floors};
 use super::noise::Prior;
 use super::{Options, Progress, Stage};
 use crate::model::{Candidate, Columns, CurveCandidate, Model, PredictError};
@@ -26,6 +27,8 @@ pub(super) struct Problem<'a> {
     pub split: Split,
     /// Least innovation that noise can have, for each channel: data have finitely many digits.
     pub floor: Vec<f64>,
+    /// What is known of each channel's noise.
+    pub known: Vec<Option<Floor>>,
     progress: &'a (dyn Fn(Progress) + Sync),
     predictions: AtomicUsize,
 }
@@ -133,6 +136,7 @@ impl<'a> Problem<'a> {
             nominal: model.nominal(),
             split: Split::new(data),
             floor: floor.collect(),
+            known: floors(&data.outputs),
             progress,
             predictions: AtomicUsize::new(0),
         }

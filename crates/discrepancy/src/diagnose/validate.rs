@@ -1,6 +1,8 @@
 //! Paired comparison of two models on rows that neither was fitted to.
 
 use super::data::Rows;
+use super::fit::Fit;
+use super::floor::loss;
 use super::noise::{Noise, dot};
 use super::problem::Problem;
 use crate::model::Columns;
@@ -106,6 +108,13 @@ pub(super) fn objective(
     orders: &[usize],
 ) -> f64 {
     Noise::fit(residual, rows, orders, &problem.floor).objective(rows)
+}
+
+/// By how much the larger model brings what is left nearer to noise of the sizes that are known, in
+/// minus twice the log-likelihood.
+pub(super) fn gain_in_size(problem: &Problem, small: &Fit, large: &Fit, rows: &Rows) -> f64 {
+    let [small, large] = [small, large].map(|fit| loss(&problem.known, &fit.residual, rows));
+    small - large
 }
 
 /// Root mean square of each channel on the rows.

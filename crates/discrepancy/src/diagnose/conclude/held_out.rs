@@ -25,6 +25,11 @@ pub(super) struct Refuted {
     with: f64,
 }
 
+/// Of what a cause does, a held-out part that contradicts it shows no more than this. Half is where
+/// an error neither rises nor falls; a pattern out of step by 60 degrees shows half of itself, too,
+/// and is there.
+const MOST_SHOWN: f64 = 0.25;
+
 /// Takes away, one after the other, causes without which the held-out part is predicted better: an
 /// error that is whitened may say otherwise, where the noise's memory has taken a part of the
 /// pattern for noise.
@@ -63,7 +68,7 @@ pub(super) fn kept(
 }
 
 /// The channel in which the larger model raises the held-out error most, with both errors, if it
-/// raises one and lowers none by what is worth naming, that is no chance, and nothing of what the
+/// raises one and lowers none by what is worth naming, that is no chance, and little of what the
 /// cause does shows there: a pattern that is there, and only out of step or of another
 /// size, contradicts no cause.
 fn worse(problem: &Problem, small: &Fit, large: &Fit) -> Option<(usize, [f64; 2])> {
@@ -77,24 +82,28 @@ fn worse(problem: &Problem, small: &Fit, large: &Fit) -> Option<(usize, [f64; 2]
     let rise = |c: &usize| after[*c] / before[*c].max(f64::MIN_POSITIVE);
     let most = (channels.clone()).max_by(|a, b| rise(a).total_cmp(&rise(b)))?;
     let clear = rise(&most) > 1.0 + least && risen(test, most, small, large) > LEAST_T;
-    let contradicts = clear && shown(problem, small, large) <= LEAST_T;
+    let contradicts = clear && shown(problem, small, large) < MOST_SHOWN;
     contradicts.then(|| (most, [before[most], after[most]]))
 }
 
-/// By how many standard errors what the cause does is in what the smaller model leaves of the
-/// held-out part: the sum of their products over all channels, each in units of its own remainder.
+/// What the held-out part shows of what the cause does, at most: the part of it that fits best what
+/// the smaller model leaves there, and its standard error. All channels, each in units of what is
+/// left of it.
 fn shown(problem: &Problem, small: &Fit, large: &Fit) -> f64 {
     let test = &problem.split.test;
-    let sizes = rms(&small.residual, test);
-    let products: Vec<f64> = (sizes.iter().enumerate())
-        .filter(|(_, size)| **size > 0.0)
-        .flat_map(|(channel, size)| {
-            let [small, large] = [small, large].map(|fit| &fit.residual[channel]);
-            (test.per_channel[channel].iter())
-                .map(move |&t| small[t] * (small[t] - large[t]) / size.powi(2))
-        })
-        .collect();
-    in_errors(&products)
+    let (mut along, mut squares) = (Vec::new(), Vec::new());
+    for (channel, size) in rms(&small.residual, test).into_iter().enumerate() {
+        let [small, large] = [small, large].map(|fit| &fit.residual[channel]);
+        for &t in test.per_channel[channel].iter().filter(|_| size > 0.0) {
+            let done = small[t] - large[t];
+            along.push(small[t] * done / size.powi(2));
+            squares.push(done.powi(2) / size.powi(2));
+        }
+    }
+    let whole = squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let part = along.iter().sum::<f64>() / whole;
+    let left = along.iter().zip(&squares).map(|(a, s)| a - part * s);
+    part + error_of_sum(&batch_sums(&left.collect::<Vec<_>>())) / whole
 }
 
 /// By how many standard errors the squares of a channel rise.
@@ -103,12 +112,7 @@ fn risen(test: &Rows, channel: usize, small: &Fit, large: &Fit) -> f64 {
     let rises: Vec<f64> = (test.per_channel[channel].iter())
         .map(|&t| squares(large, t) - squares(small, t))
         .collect();
-    in_errors(&rises)
-}
-
-/// A sum over its standard error.
-fn in_errors(values: &[f64]) -> f64 {
-    let sums = batch_sums(values);
+    let sums = batch_sums(&rises);
     sums.iter().sum::<f64>() / error_of_sum(&sums).max(f64::MIN_POSITIVE)
 }
 

@@ -1,0 +1,96 @@
+//! Noise is within its own floor, and what is no noise is beyond it.
+
+use super::*;
+use crate::testing::{Colour, noise};
+
+const COLOURS: [Colour; 4] = [
+    Colour::White,
+    Colour::Ar1(0.5),
+    Colour::Ar1(0.9),
+    Colour::Pink,
+];
+
+/// Noise of 600 samples beside so many seen elsewhere.
+fn drawn(colour: Colour, seed: u64, stretches: usize, length: usize) -> (Floor, Vec<f64>) {
+    let all = noise(colour, 600 + stretches * length, seed);
+    let (own, other) = all.split_at(600);
+    let sample = other.chunks(length).map(<[f64]>::to_vec).collect();
+    let output = Output {
+        values: own.to_vec(),
+        valid: vec![true; own.len()],
+        noise: None,
+        sample: NoiseSample::of(NoiseSource::Standstill, sample, 40),
+        noise_without_memory: 0.0,
+        held_step: 0.0,
+    };
+    (Floor::of(&output).unwrap(), own.to_vec())
+}
+
+#[test]
+fn verify_noise_is_within_its_own_floor() {
+    let rows: Vec<usize> = (10..600).collect();
+    for (k, colour) in COLOURS.into_iter().enumerate() {
+        for (stretches, length) in [(5, 40), (1, 400), (30, 8)] {
+            let beyond = (0..200).filter(|seed| {
+                let (floor, own) = drawn(colour, 1000 * k as u64 + seed, stretches, length);
+                floor.beyond(&own, &rows).is_some()
+            });
+            let count = beyond.count();
+            assert!(
+                count <= 2,
+                "{colour:?} {stretches} x {length}: {count} of 200"
+            );
+        }
+    }
+}
+
+#[test]
+fn verify_a_pattern_is_beyond_the_floor() {
+    let rows: Vec<usize> = (10..600).collect();
+    for colour in COLOURS {
+        for seed in 0..50 {
+            let (floor, own) = drawn(colour, 50_000 + seed, 5, 40);
+            let size = 4.0 * deviation(&own);
+            let place = |t: usize| (0.07 * t as f64).sin() + (0.03 * t as f64).cos();
+            let rippled: Vec<f64> = (own.iter().enumerate())
+                .map(|(t, n)| n + size * (9.0 * place(t) + seed as f64).sin())
+                .collect();
+            assert!(floor.beyond(&rippled, &rows).is_some(), "{colour:?} {seed}");
+        }
+    }
+}
+
+#[test]
+fn a_sensor_at_rest_has_the_noise_of_its_steps() {
+    let step = 0.01;
+    let rounded = |x: f64| (x / step).round() * step;
+    let values: Vec<f64> = (0..600)
+        .map(|t| rounded((0.05 * t as f64).sin() * 0.1))
+        .collect();
+    let output = Output {
+        values,
+        valid: vec![true; 600],
+        noise: None,
+        sample: NoiseSample::of(NoiseSource::Standstill, vec![vec![0.0; 100]], 40),
+        noise_without_memory: 0.0,
+        held_step: 0.0,
+    };
+    let floor = Floor::of(&output).unwrap();
+    assert!((floor.rms / (step / 12_f64.sqrt()) - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn verify_a_constant_is_beyond_the_floor_and_told_in_size() {
+    let rows: Vec<usize> = (10..600).collect();
+    for colour in COLOURS {
+        for seed in 0..50 {
+            let (floor, own) = drawn(colour, 70_000 + seed, 5, 40);
+            let away = 12.0 * deviation(&own).max(floor.rms);
+            let moved: Vec<f64> = own.iter().map(|n| n + away).collect();
+            let beyond = floor.beyond(&moved, &rows).expect("a constant");
+            let share = beyond.variance / away.powi(2);
+            assert!((0.6..1.5).contains(&share), "{colour:?} {seed}: {share}");
+            assert!(floor.loss(&moved, &rows) > floor.loss(&own, &rows) + 16.0);
+        }
+    }
+}
