@@ -248,6 +248,9 @@ pub struct Diagnosis {
     /// Another set-up that explains far more than any causes do, and how much.
     #[serde(default)]
     pub set_up: Option<String>,
+    /// Which size lies at an end of its range, so that none of the effects known fits.
+    #[serde(default)]
+    pub at_end: Option<String>,
     /// Effects that come nearest and are not named, in a set-up that is not the machine's.
     #[serde(default)]
     pub nearest: Vec<Cause>,

@@ -150,13 +150,19 @@ fn with_curve(
 
 /// Takes the verdict back where a size lies at an end of its range.
 fn tell_end(problem: &Problem, last: &Fit, diagnosis: &mut Diagnosis) {
-    let end = at_bound(problem, last).filter(|_| diagnosis.verdict == Verdict::Named);
-    if let Some(end) = end {
-        diagnosis.verdict = Verdict::UnknownCause;
-        diagnosis.reason = format!(
-            "No size of the effects known fits: {end}. {}",
-            diagnosis.reason
-        );
+    let is_named = diagnosis.verdict == Verdict::Named;
+    if !is_named && diagnosis.verdict != Verdict::UnknownCause {
+        return;
+    }
+    if let Some(end) = at_bound(problem, last) {
+        if is_named {
+            diagnosis.verdict = Verdict::UnknownCause;
+            diagnosis.reason = format!(
+                "No size of the effects known fits: {end}. {}",
+                diagnosis.reason
+            );
+        }
+        diagnosis.at_end = Some(end);
     }
 }
 

@@ -278,6 +278,14 @@ impl Answer {
         found.doubts.clear();
         found.curve = None;
         found.nominal.clear();
+        found.at_end = None;
+        // What follows is of the model in the answer.
+        found.changes.clear();
+        found.ceiling = answer::Ceiling::default();
+        found.unexplained_fraction = 1.0;
+        for errors in found.channels.values_mut() {
+            errors.after = errors.before;
+        }
         self.nominal = nominal;
         self.effects.clear();
         self.after.clone_from(&self.before);

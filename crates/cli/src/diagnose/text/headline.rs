@@ -46,6 +46,10 @@ fn unknown(diagnosis: &Diagnosis, verdict: &str) -> String {
     };
     match names.is_empty() {
         true => format!("{verdict}{changes}"),
+        false if diagnosis.at_end.is_some() => format!(
+            "{verdict} FITS{changes}; NEAREST, AT AN END OF ITS RANGE: {}",
+            all.join(" or ")
+        ),
         false if diagnosis.unexplained_fraction > 0.5 => {
             format!("{verdict}{changes}; A SMALL PART: {}", all.join(" or "))
         }

@@ -2,12 +2,12 @@
 
 use truecut_recording::ChannelSpec;
 use truecut_scenario::UncertainSpec;
-use truecut_scenario::effect::{Effect, EffectKind};
+use truecut_scenario::effect::{Effect, EffectKind, Target};
 
 use super::force::{Force, INTERVAL_S, MASS_KG, effect};
 use super::single::{diagnosed, joint};
 use super::*;
-use crate::diagnose::Regressor;
+use crate::diagnose::{Regressor, explain};
 use crate::model::{Candidate, PredictError};
 
 fn nothing(_: f64, _: f64, _: f64) -> f64 {
@@ -364,4 +364,27 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
     }
     println!("{inside} of 100");
     assert!((90..=100).contains(&inside), "{inside} of 100");
+}
+
+#[test]
+fn a_size_beyond_its_range_is_told_and_no_cause_named() {
+    let model = Force::new(1200, 0.1);
+    let gain = Effect {
+        kind: EffectKind::SensorGain,
+        target: Target::Channel("joint1.drive_force".into()),
+        values: vec![1.0],
+    };
+    let most = gain.kind.parameters()[0].max;
+    let force: Vec<f64> = (model.force(MASS_KG, &[]).iter())
+        .map(|force| 1.02 * most * force)
+        .collect();
+    let data = observed(&vec![force], &[0.5], WHITE, 140, INTERVAL_S);
+    // A gain that large is a unit mistaken, and asked about first.
+    let answer = explain(&model, &data, &Options::default(), &|_| {}, false);
+    let found = answer.unwrap().diagnosis;
+    assert_eq!(found.verdict, Verdict::UnknownCause, "{}", found.reason);
+    let told = found
+        .at_end
+        .unwrap_or_else(|| panic!("{} {:?}", found.reason, found.causes));
+    assert!(told.contains("end of its range"), "{told}");
 }
