@@ -77,10 +77,15 @@ fn convert(recording: &Recording, target: &Path) -> Result<(), Failure> {
     sink.finish(recording, &[]).map_err(failed)
 }
 
+/// A time without what rounding left of steps that were added up: whole nanoseconds.
+fn shown_s(time_s: f64) -> f64 {
+    (time_s * 1e9).round() / 1e9
+}
+
 fn list(file: &Path, recording: &Recording) -> String {
     let header = &recording.header;
     let span = match (recording.time_s.first(), recording.time_s.last()) {
-        (Some(first), Some(last)) => format!("{first} to {last} s"),
+        (Some(first), Some(last)) => format!("{} to {} s", shown_s(*first), shown_s(*last)),
         _ => "nothing".to_owned(),
     };
     let mut text = format!(
