@@ -95,6 +95,27 @@ fn a_job_that_collides_is_told_with_pair_and_place_and_gets_no_program() {
 
 /// A clamp in the way of a rapid traverse is told with the line of the file; the cutter may touch
 /// the part where it is fed, and not in rapid traverse.
+/// The belt's wheel is at its size in a run, too: a post that it meets is told, and fails a claim.
+#[test]
+fn a_run_whose_wheel_meets_a_post_fails_the_claim_on_clearance() {
+    let desk = Desk::new();
+    job(&desk, POST);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = root.canonicalize().unwrap();
+    let shipped = root.join("scenarios/finishing/crowned_block_belt.toml");
+    let text = std::fs::read_to_string(shipped).unwrap();
+    let text = text.replace("../..", root.to_str().unwrap());
+    let text = text.replace("crowned_block_cell.toml", "cell.toml");
+    let text = text.replace("crowned_block.toml", "job.toml");
+    let (head, _) = text.split_once("[[claim]]").unwrap();
+    let claim = "[[claim]]\nname = \"clear\"\nscalar = \"cell.clearance\"\nmin = 3\nunit = \"mm\"\nreason = \"asked\"\n";
+    std::fs::write(desk.path("belt.toml"), format!("{head}{claim}")).unwrap();
+    let output = desk.truecut(&["run", "belt.toml", "--no-rrd", "--set", "run.duration_s=1"]);
+    let told = told(&output);
+    assert_eq!(output.status.code(), Some(CLAIM_FAILED), "{told}");
+    assert!(told.contains("\"wheel\" from \"post\""), "{told}");
+}
+
 #[test]
 fn a_cutter_that_meets_a_clamp_is_told_with_the_line_of_the_file() {
     let desk = Desk::new();

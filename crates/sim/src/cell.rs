@@ -18,6 +18,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use truecut_core::sensor::Sensor;
+use truecut_plan::clearance::Tool;
 use truecut_recording::{ChannelSpec, Header, Outcome, Recorder, Scalar, Scene, UnknownName};
 use truecut_scenario::{FaultRule, Scenario};
 
@@ -75,6 +76,11 @@ impl Cell {
     /// Channels and notes: what a [`Recorder`] is opened with.
     pub fn header(&self) -> Header {
         self.header_with(Scene::default())
+    }
+
+    /// The process's tool, for clearances.
+    pub(crate) fn tools(&self) -> Vec<Tool> {
+        self.setting.tools()
     }
 
     /// As [`Cell::header`], with the scene, for which the robot's meshes are read.

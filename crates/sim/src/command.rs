@@ -5,7 +5,7 @@ use crate::process::ForceSamples;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot};
 use truecut_plan::motion::LeadIn;
-use truecut_plan::motion::interpolation::{hermite, lagrange, slope};
+use truecut_plan::motion::interpolation::{hermite, lagrange, spline_slopes};
 use truecut_plan::motion::straight::SolvedPath;
 
 /// In which a commanded feed comes up to speed.
@@ -77,6 +77,9 @@ impl JointCommand {
                 samples
                     .forces
                     .splice(0..0, std::iter::repeat_n(None, count));
+                for slopes in &mut samples.slopes {
+                    slopes.splice(0..0, std::iter::repeat_n(0.0, count));
+                }
                 &mut samples.postures
             }
         };
@@ -117,14 +120,39 @@ impl JointCommand {
 pub(crate) struct Samples {
     pub interval_s: f64,
     /// `[sample][joint]`.
-    pub postures: Vec<Vec<f64>>,
+    postures: Vec<Vec<f64>>,
+    /// Of the spline through them, per interval; `[sample][joint]`.
+    slopes: Vec<Vec<f64>>,
     /// Given drive force of each joint, where there is one.
-    pub forces: Vec<Option<ForceSamples>>,
+    forces: Vec<Option<ForceSamples>>,
 }
 
 impl Samples {
-    /// Cubic Hermite interpolation with central differences (one-sided at both ends) as slopes: the
-    /// velocity is the derivative of the position, and both are continuous. Behind the last sample
+    /// Commands at every interval, `[sample][joint]`, and drive forces.
+    pub fn new(
+        interval_s: f64,
+        postures: Vec<Vec<f64>>,
+        forces: Vec<Option<ForceSamples>>,
+    ) -> Self {
+        let dof = postures.first().map_or(0, Vec::len);
+        let mut slopes = vec![vec![0.0; dof]; postures.len()];
+        for joint in 0..dof {
+            let knots: Vec<f64> = postures.iter().map(|posture| posture[joint]).collect();
+            for (row, slope) in slopes.iter_mut().zip(spline_slopes(&knots)) {
+                row[joint] = slope;
+            }
+        }
+        Self {
+            interval_s,
+            postures,
+            slopes,
+            forces,
+        }
+    }
+
+    /// A cubic spline: the velocity is the derivative of the position, and both and the
+    /// acceleration are continuous. Slopes by central differences, of second order, made a drive's
+    /// damping look like a viscous friction of `D (h ω)²/6` more. Behind the last sample
     /// it goes on as it ended: the last step of a run may lie a fraction of a step behind, and a
     /// command that stopped there at once would ask a jump of the drives.
     fn at(&self, t_s: f64, position: &mut [f64], velocity: &mut [f64]) {
@@ -137,7 +165,7 @@ impl Samples {
         for joint in 0..position.len() {
             let knot = |i: usize| self.postures[i][joint];
             let ends = [knot(k), knot((k + 1).min(last))];
-            let slopes = [k, k + 1].map(|i| slope(knot, last, i));
+            let slopes = [k, (k + 1).min(last)].map(|i| self.slopes[i][joint]);
             let [value, rate] = hermite(ends, slopes, u);
             velocity[joint] = if moves { rate / self.interval_s } else { 0.0 };
             position[joint] = value + velocity[joint] * behind_s;
@@ -247,11 +275,8 @@ mod tests {
     fn measured_commands_are_smooth_between_samples() {
         let h = 0.01;
         let parabola = |t: f64| 0.3 - 2.0 * t + 5.0 * t * t;
-        let command = JointCommand::Replay(Samples {
-            interval_s: h,
-            postures: (0..50).map(|k| vec![parabola(h * k as f64)]).collect(),
-            forces: vec![None],
-        });
+        let postures = (0..50).map(|k| vec![parabola(h * k as f64)]).collect();
+        let command = JointCommand::Replay(Samples::new(h, postures, vec![None]));
         let at = |t: f64| {
             let (mut p, mut v) = ([0.0], [0.0]);
             command.at(t, &mut p, &mut v);

@@ -15,6 +15,7 @@ use crate::process::Process;
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 use std::sync::Arc;
 use truecut_arm::Robot;
+use truecut_plan::clearance::Tool;
 use truecut_recording::{Arrow, Body, Frame, Pose, Scene, Shape};
 
 /// Length of a force arrow, m/N.
@@ -31,6 +32,26 @@ pub(crate) struct Setting {
     pub workpiece: DrawWorkpiece,
     pub tooling: Tooling,
     pub deflection_scale: f64,
+}
+
+impl Setting {
+    /// The process's tool at its size, in the frame of the flange.
+    pub fn tools(&self) -> Vec<Tool> {
+        let Some(world_from_last) = self.robot.world_from_links(&self.start).last().copied() else {
+            return Vec::new();
+        };
+        let at = [&world_from_last, &self.world_from_process];
+        let shapes = tooling::tools_on_last_link(&self.robot, at[0], at[1], &self.tooling);
+        let flange = self.robot.frames.last_link_from_flange;
+        let tool = |shape: Shape| {
+            Some(Tool {
+                name: self.tooling.name.to_owned(),
+                solid: view::solid(&shape.geometry)?,
+                flange_from_solid: flange.inverse() * isometry(&shape.body_from_shape),
+            })
+        };
+        shapes.into_iter().filter_map(tool).collect()
+    }
 }
 
 /// Builds frames of the scene.

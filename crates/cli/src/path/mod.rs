@@ -11,7 +11,7 @@ mod view;
 
 use depth::Depths;
 use nalgebra::{Isometry3, Vector3};
-use truecut_plan::clearance::{Carried, Form, Own, Station};
+use truecut_plan::clearance::{Own, Solid, Station, Tool};
 use truecut_plan::motion::joints::slowest_joint_s;
 use truecut_plan::program::{
     Finding, FindingKind, Motion, Move, Program, ProgramErrorKind, Replay, TravelOptions,
@@ -134,14 +134,13 @@ fn clearance(
     };
     // A cylinder's axis is its z, the wheel's is the tool's y.
     let about_y = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
-    let wheel = Carried {
+    let wheel = Tool {
         name: "wheel".to_owned(),
-        form: Form::Cylinder {
+        solid: Solid::Cylinder {
             radius_m: job.wheel.radius_m,
             length_m: job.wheel.width_m,
         },
-        flange_from_form: program.tool.flange_from_tool * about_y,
-        cuts: true,
+        flange_from_solid: program.tool.flange_from_tool * about_y,
     };
     let own = Own {
         part: places.into_iter().map(|place| (mesh, place)).collect(),

@@ -6,7 +6,7 @@ use truecut_arm::{LinkSolids, Robot};
 use super::body::{Body, Piece, of_hull, of_shape, piece};
 use super::error::{CellError, CellFault};
 use super::solid::Solid;
-use super::{Carried, CellSetup, hull};
+use super::{CellSetup, Tool, hull};
 use crate::surface::Mesh;
 
 /// What a job brings beside a cell's file.
@@ -14,7 +14,7 @@ use crate::surface::Mesh;
 pub struct Own<'a> {
     /// The part, at every place where a copy of it stands in the world.
     pub part: Vec<(&'a Mesh, Isometry3<f64>)>,
-    pub tools: Vec<Carried>,
+    pub tools: Vec<Tool>,
 }
 
 /// What something that stands is.
@@ -71,13 +71,14 @@ impl Cell {
             let solid = solid.map_err(|fault| at(&format!("carried.{index}.shape.mesh"), fault))?;
             check_reach(&one.name, &solid, &one.flange_from_form)
                 .map_err(|fault| at(&format!("carried.{index}.name"), fault))?;
-            cell.take_carried(one, solid, last, &(flange * one.flange_from_form));
+            let place = flange * one.flange_from_form;
+            cell.take_carried((&one.name, one.cuts), &solid, last, &place);
+            cell.carried.push((one.name.clone(), solid, place));
         }
         for tool in &own.tools {
-            let solid = tool.form.load().map_err(|fault| at("carried", fault))?;
-            cell.take_carried(tool, solid, last, &(flange * tool.flange_from_form));
             // It is drawn by the job.
-            cell.carried.pop();
+            let place = flange * tool.flange_from_solid;
+            cell.take_carried((&tool.name, true), &tool.solid, last, &place);
         }
         for (mesh, world_from_mesh) in &own.part {
             let solid = Solid::of_mesh(mesh);
@@ -159,22 +160,27 @@ impl Cell {
         });
     }
 
-    fn take_carried(&mut self, one: &Carried, solid: Solid, frame: usize, at: &Isometry3<f64>) {
-        let piece = match &solid {
+    fn take_carried(
+        &mut self,
+        (name, cuts): (&str, bool),
+        solid: &Solid,
+        frame: usize,
+        at: &Isometry3<f64>,
+    ) {
+        let piece = match solid {
             Solid::Mesh { vertices_m, .. } => {
                 hull::of_points(vertices_m).map(|hull| of_hull(hull, Some(at)))
             }
             _ => solid.shape().map(|(shape, own)| piece(shape, &(at * own))),
         };
-        self.carried.push((one.name.clone(), solid, *at));
         self.bodies.push(Body {
-            name: one.name.clone(),
+            name: name.to_owned(),
             frame,
             pieces: piece.into_iter().collect(),
             solid: None,
             is_part: false,
             is_own: false,
-            cuts: one.cuts,
+            cuts,
         });
     }
 

@@ -57,3 +57,11 @@ pub struct Carried {
     /// Whether it works on the part: then it may touch that where the tool is fed.
     pub cuts: bool,
 }
+
+/// A tool that a job or a process brings, fixed to the flange. It works on the part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tool {
+    pub name: String,
+    pub solid: Solid,
+    pub flange_from_solid: Isometry3<f64>,
+}

@@ -32,6 +32,10 @@ pub enum Solid {
         radius_m: f64,
         length_m: f64,
     },
+    /// About its own frame's origin.
+    Ball {
+        radius_m: f64,
+    },
     /// Triangles, wound either way; only a closed mesh has an inside.
     Mesh {
         vertices_m: Vec<Vector3<f64>>,
@@ -98,6 +102,7 @@ impl Solid {
             Self::Cylinder { radius_m, length_m } => {
                 (SharedShape::cylinder(0.5 * length_m, *radius_m), y_to_z())
             }
+            Self::Ball { radius_m } => (SharedShape::ball(*radius_m), Isometry3::identity()),
             Self::Mesh {
                 vertices_m,
                 triangles,
@@ -125,6 +130,13 @@ impl Solid {
                 };
                 (0..2 * RIM).map(rim).collect()
             }
+            Self::Ball { radius_m } => {
+                let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+                (axes
+                    .iter()
+                    .flat_map(|axis| [axis * *radius_m, axis * -radius_m]))
+                .collect()
+            }
             Self::Mesh { vertices_m, .. } => vertices_m.clone(),
         }
     }
@@ -137,6 +149,7 @@ impl Solid {
             Self::Cylinder { radius_m, length_m } => {
                 2.0 * point_m.z.abs() < *length_m && point_m.x.hypot(point_m.y) < *radius_m
             }
+            Self::Ball { radius_m } => point_m.norm() < *radius_m,
             Self::Mesh {
                 vertices_m,
                 triangles,

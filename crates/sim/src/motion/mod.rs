@@ -72,10 +72,7 @@ impl PlannedMotion {
             Some(load) => robot.holding_commands(&self.knots, load)?,
             None => self.knots.clone(),
         };
-        Ok(Samples {
-            interval_s: KNOT_INTERVAL_S,
-            postures,
-            forces: vec![None; robot.dof()],
-        })
+        let forces = vec![None; robot.dof()];
+        Ok(Samples::new(KNOT_INTERVAL_S, postures, forces))
     }
 }

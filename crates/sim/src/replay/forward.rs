@@ -202,13 +202,12 @@ impl ForwardInputs {
             None => posture[joint],
         };
         let sample = |k| (0..posture.len()).map(|joint| at(joint, k)).collect();
-        JointCommand::Replay(Samples {
-            interval_s: self.interval_s,
-            postures: (0..length).map(sample).collect(),
-            forces: (self.drive_forces.iter())
-                .map(|values| self.series(values))
-                .collect(),
-        })
+        let forces = (self.drive_forces.iter()).map(|values| self.series(values));
+        JointCommand::Replay(Samples::new(
+            self.interval_s,
+            (0..length).map(sample).collect(),
+            forces.collect(),
+        ))
     }
 
     /// The forces on the tool.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use truecut_arm::Robot;
-use truecut_plan::clearance::{Cell, Own, Station};
+use truecut_plan::clearance::{Cell, Own, Station, Tool};
 use truecut_recording::{Recording, Scalar, Unit};
 use truecut_scenario::{CellFile, Scenario};
 
@@ -18,8 +18,12 @@ pub(super) struct About {
 }
 
 impl About {
-    /// Reads the cell that a scenario names, if it names one.
-    pub fn of(scenario: &Scenario, robots: Option<&Robots>) -> Result<Option<Self>, SimError> {
+    /// Reads the cell that a scenario names, if it names one; `tools` are those of its process.
+    pub fn of(
+        scenario: &Scenario,
+        robots: Option<&Robots>,
+        tools: impl FnOnce() -> Vec<Tool>,
+    ) -> Result<Option<Self>, SimError> {
         let Some(path) = &scenario.cell else {
             return Ok(None);
         };
@@ -30,7 +34,11 @@ impl About {
         let own = Robots::new();
         let robot = robots.unwrap_or(&own).robot(&scenario.robot)?;
         let file = CellFile::load(path, &robot.frames.flange_from_tool)?;
-        let cell = Cell::new(&robot, &file.setup, &Own::default());
+        let own = Own {
+            part: Vec::new(),
+            tools: tools(),
+        };
+        let cell = Cell::new(&robot, &file.setup, &own);
         let cell = cell.map_err(|error| file.refused(&error))?;
         Ok(Some(Self { robot, cell }))
     }

@@ -44,6 +44,8 @@ pub struct Tooling {
     pub shapes: Vec<(Held, Shape)>,
     /// How far the tool reaches back from the tool point, m: there the holder ends.
     pub back_m: f64,
+    /// What clearances call it.
+    pub name: &'static str,
 }
 
 impl Tooling {
@@ -56,7 +58,7 @@ impl Tooling {
             width_m,
             &Isometry3::from_parts(Vector3::zeros().into(), about_y),
         );
-        Self::of(Held::Tool, drum, radius_m)
+        Self::of("wheel", Held::Tool, drum, radius_m)
     }
 
     /// A wheel that touches the workpiece at the tool point, from against process X, about process
@@ -64,6 +66,7 @@ impl Tooling {
     pub fn disc([radius_m, width_m]: [f64; 2]) -> Self {
         let at = Isometry3::translation(-radius_m, 0.0, 0.0);
         Self::of(
+            "wheel",
             Held::Process,
             cylinder(radius_m, width_m, &at),
             2.0 * radius_m,
@@ -73,13 +76,18 @@ impl Tooling {
     /// A ball about the tool point.
     pub fn ball(radius_m: f64) -> Self {
         let ball = tool(Geometry::Sphere { radius_m }, Pose::IDENTITY);
-        Self::of(Held::Tool, ball, radius_m)
+        Self::of("wheel", Held::Tool, ball, radius_m)
     }
 
     /// An end mill that ends at the tool point, along the tool's z axis.
     pub fn end_mill(radius_m: f64, length_m: f64) -> Self {
         let at = Isometry3::translation(0.0, 0.0, -0.5 * length_m);
-        Self::of(Held::Tool, cylinder(radius_m, length_m, &at), length_m)
+        Self::of(
+            "cutter",
+            Held::Tool,
+            cylinder(radius_m, length_m, &at),
+            length_m,
+        )
     }
 
     /// A countersink whose edges meet a hole's rim at the tool point, and its shank; pulled
@@ -106,7 +114,12 @@ impl Tooling {
                 (half, 0.0),
             ]
         };
-        Self::of(Held::Tool, tool(turned(&profile), Pose::IDENTITY), back_m)
+        Self::of(
+            "cutter",
+            Held::Tool,
+            tool(turned(&profile), Pose::IDENTITY),
+            back_m,
+        )
     }
 
     /// With the ring of a pressure foot, so far from the foot's frame along process X.
@@ -122,10 +135,17 @@ impl Tooling {
         self
     }
 
-    fn of(held: Held, shape: Shape, back_m: f64) -> Self {
+    /// Under another name.
+    #[must_use]
+    pub fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
+    }
+
+    fn of(name: &'static str, held: Held, shape: Shape, back_m: f64) -> Self {
         Self {
             shapes: vec![(held, shape)],
             back_m,
+            name,
         }
     }
 }
@@ -187,23 +207,40 @@ pub(super) fn on_last_link(
         &tool.translation.vector,
         tooling.back_m,
     );
+    shapes.extend(tools_on_last_link(
+        robot,
+        &world_from_last,
+        world_from_process,
+        tooling,
+    ));
+    shapes
+}
+
+/// The tool alone, without what is drawn between it and the flange and without a foot.
+pub(crate) fn tools_on_last_link(
+    robot: &Robot,
+    world_from_last: &Isometry3<f64>,
+    world_from_process: &Isometry3<f64>,
+    tooling: &Tooling,
+) -> Vec<Shape> {
+    let tool = robot.last_link_from_frame(FrameId::Tool);
     let last_from_process = Isometry3::from_parts(
         tool.translation,
         (world_from_last.inverse() * world_from_process).rotation,
     );
-    for (held, shape) in &tooling.shapes {
+    let placed = |(held, shape): &(Held, Shape)| {
         let last_from = match held {
             Held::Tool => tool,
             Held::Process => last_from_process,
-            Held::Foot => continue,
+            Held::Foot => return None,
         };
         let own = super::isometry(&shape.body_from_shape);
-        shapes.push(Shape {
+        Some(Shape {
             body_from_shape: pose(&(last_from * own)),
             ..shape.clone()
-        });
-    }
-    shapes
+        })
+    };
+    tooling.shapes.iter().filter_map(placed).collect()
 }
 
 fn spindle(flange_m: &Vector3<f64>, tool_m: &Vector3<f64>, back_m: f64) -> Vec<Shape> {

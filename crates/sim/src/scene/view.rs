@@ -1,6 +1,6 @@
 //! An arm that is seen without a run: at the stops of a plan or a path.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use truecut_arm::{FrameId, Robot};
 use truecut_plan::clearance::{Cell, Solid};
 use truecut_plan::surface::Mesh;
@@ -52,6 +52,7 @@ fn geometry(solid: &Solid) -> Geometry {
             half_extents_m: (sides_m * 0.5).into(),
         },
         &Solid::Cylinder { radius_m, length_m } => Geometry::Cylinder { radius_m, length_m },
+        &Solid::Ball { radius_m } => Geometry::Sphere { radius_m },
         Solid::Mesh {
             vertices_m,
             triangles,
@@ -60,6 +61,25 @@ fn geometry(solid: &Solid) -> Geometry {
             triangles: triangles.clone(),
         },
     }
+}
+
+/// What clearances ask distances of; `None` for what is drawn and has no body.
+pub(super) fn solid(geometry: &Geometry) -> Option<Solid> {
+    Some(match geometry {
+        Geometry::Box { half_extents_m } => Solid::Box {
+            sides_m: Vector3::from(*half_extents_m) * 2.0,
+        },
+        &Geometry::Cylinder { radius_m, length_m } => Solid::Cylinder { radius_m, length_m },
+        &Geometry::Sphere { radius_m } => Solid::Ball { radius_m },
+        Geometry::Mesh {
+            vertices_m,
+            triangles,
+        } => Solid::Mesh {
+            vertices_m: vertices_m.iter().map(|v| Vector3::from(*v)).collect(),
+            triangles: triangles.clone(),
+        },
+        _ => return None,
+    })
 }
 
 /// The arm at the first stop with its tool, beside bodies that stand still, and a frame for each

@@ -31,7 +31,7 @@ pub(crate) fn setup(
     let process = BrushProcess::new(brush(spec, &context.effects.wheel, work, robot, &from));
     let process_from_mesh = from.world_from_process.inverse() * work.world_from_mesh;
     let mesh = work.mesh.clone();
-    let tooling = Tooling::drum([spec.brush.radius_m, spec.brush.width_m]);
+    let tooling = Tooling::drum([spec.brush.radius_m, spec.brush.width_m]).named("brush");
     Ok(ProcessSetup::new(process, from.posture)
         .holding(tooling)
         .on(move || shapes::body(&process_from_mesh, &mesh))
