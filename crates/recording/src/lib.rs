@@ -75,6 +75,7 @@ mod reducer;
 mod scene;
 mod sink;
 pub mod spectrum;
+mod spline;
 mod summary;
 mod unit;
 mod window;
@@ -91,6 +92,7 @@ pub use recording::{ChannelSpec, Header, Outcome, Profile, Recording, Scalar, Un
 pub use reducer::Reducer;
 pub use scene::{Arrow, Body, Camera, Field, Frame, Geometry, Pose, Scene, Shape};
 pub use sink::{Chunk, Sink, SinkError};
+pub use spline::spline_slopes;
 pub use summary::Summary;
 pub use unit::{Unit, UnitError, UserUnit, short_number, significant};
 pub use window::Window;

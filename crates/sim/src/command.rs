@@ -5,8 +5,9 @@ use crate::process::ForceSamples;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot};
 use truecut_plan::motion::LeadIn;
-use truecut_plan::motion::interpolation::{hermite, lagrange, spline_slopes};
+use truecut_plan::motion::interpolation::{hermite, lagrange};
 use truecut_plan::motion::straight::SolvedPath;
+use truecut_recording::spline_slopes;
 
 /// In which a commanded feed comes up to speed.
 const LEAD_IN: LeadIn = LeadIn { duration_s: 0.1 };
@@ -136,9 +137,10 @@ impl Samples {
     ) -> Self {
         let dof = postures.first().map_or(0, Vec::len);
         let mut slopes = vec![vec![0.0; dof]; postures.len()];
+        let intervals: Vec<f64> = (0..postures.len()).map(|k| k as f64).collect();
         for joint in 0..dof {
             let knots: Vec<f64> = postures.iter().map(|posture| posture[joint]).collect();
-            for (row, slope) in slopes.iter_mut().zip(spline_slopes(&knots)) {
+            for (row, slope) in slopes.iter_mut().zip(spline_slopes(&intervals, &knots)) {
                 row[joint] = slope;
             }
         }

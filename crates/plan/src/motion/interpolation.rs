@@ -23,32 +23,6 @@ pub fn slope(knot: impl Fn(usize) -> f64, last: usize, i: usize) -> f64 {
     }
 }
 
-/// Slopes at even knots, per interval, of the cubic spline through them (`deboor2001`): value,
-/// slope and bend are continuous, and slopes err by the fourth power of the interval. At both ends
-/// it has the slope of the cubic through the four knots there. Fewer than four are met by parabolas.
-#[must_use]
-pub fn spline_slopes(knots: &[f64]) -> Vec<f64> {
-    let n = knots.len();
-    if n < 4 {
-        return (0..n).map(|i| slope(|k| knots[k], n - 1, i)).collect();
-    }
-    let end = |p: [f64; 4]| (-11.0 * p[0] + 18.0 * p[1] - 9.0 * p[2] + 2.0 * p[3]) / 6.0;
-    let first = end([knots[0], knots[1], knots[2], knots[3]]);
-    let last = -end([knots[n - 1], knots[n - 2], knots[n - 3], knots[n - 4]]);
-    // s[i - 1] + 4 s[i] + s[i + 1] = 3 (p[i + 1] - p[i - 1]), by Thomas's elimination
-    let (mut above, mut slopes) = (vec![0.0; n], vec![0.0; n]);
-    (slopes[0], slopes[n - 1]) = (first, last);
-    for i in 1..n - 1 {
-        let pivot = 4.0 - above[i - 1];
-        above[i] = 1.0 / pivot;
-        slopes[i] = (3.0 * (knots[i + 1] - knots[i - 1]) - slopes[i - 1]) / pivot;
-    }
-    for i in (1..n - 1).rev() {
-        slopes[i] -= above[i] * slopes[i + 1];
-    }
-    slopes
-}
-
 /// Lagrange's cubic through four knots, at a share `u` of the interval between the middle ones.
 #[must_use]
 pub fn lagrange([p0, p1, p2, p3]: [f64; 4], u: f64) -> [f64; 2] {
@@ -93,26 +67,5 @@ mod tests {
                 "{i}"
             );
         }
-    }
-
-    /// A spline meets cubics, and its slopes err by the fourth power of the interval.
-    #[test]
-    fn verify_spline_slopes_are_of_fourth_order() {
-        let cubic = |x: f64| 0.3 - 2.0 * x + 5.0 * x * x - 0.8 * x * x * x;
-        let knots: Vec<f64> = (0..12).map(|i| cubic(i as f64)).collect();
-        for (i, slope) in spline_slopes(&knots).iter().enumerate() {
-            let x = i as f64;
-            assert!((slope - (-2.0 + 10.0 * x - 2.4 * x * x)).abs() < 1e-10);
-        }
-        let worst = |count: usize| {
-            let h = 6.0 / count as f64;
-            let knots: Vec<f64> = (0..=count).map(|i| (h * i as f64).sin()).collect();
-            let slopes = spline_slopes(&knots).into_iter().enumerate();
-            let errors = slopes.map(|(i, s)| (s / h - (h * i as f64).cos()).abs());
-            let inner = errors.skip(count / 4).take(count / 2);
-            inner.fold(0.0, f64::max)
-        };
-        let ratio = worst(40) / worst(80);
-        assert!((14.0..18.0).contains(&ratio), "{ratio}");
     }
 }

@@ -153,6 +153,7 @@ fn channels(
                 Role::Input => mapping.max_gap_s,
                 Role::Output => 0.0,
             },
+            drives: channel.role == Role::Input,
         };
         let (values, valid) = resample(series, base, gaps);
         notes.extend(series.note(channel));

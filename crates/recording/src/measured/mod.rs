@@ -9,6 +9,7 @@ mod columns;
 mod error;
 mod inspect;
 mod outputs;
+mod place;
 mod resample;
 mod spikes;
 mod table;

@@ -1,7 +1,9 @@
 //! One uniform time base for all channels.
 
+use super::place::Place;
 use super::{ChannelMapping, DataError, MIN_SAMPLES, Mapping};
 use crate::filter::Butterworth;
+use crate::spline::spline_slopes;
 use crate::unit::significant;
 
 /// Order of the filter that keeps out what would fold back; run forward and backward it acts twice.
@@ -14,6 +16,9 @@ const FASTER: f64 = 1.2;
 pub(super) const JITTER: f64 = 1.8;
 /// Share of an interval within which two times are the same.
 const SLACK: f64 = 1e-6;
+/// Part of the median interval within which a sample repeats the one before it: the slope between
+/// them is that of their rounding.
+const TWIN: f64 = 1e-2;
 /// Most samples of a result.
 const MOST_SAMPLES: f64 = 2e7;
 
@@ -79,10 +84,43 @@ impl Series {
         samples: usize,
         smooth_gap_s: f64,
     ) -> impl Iterator<Item = Place> + '_ {
-        let most_apart_s = smooth_gap_s.max(JITTER * self.interval_s());
+        let most_apart_s = self.most_apart_s(smooth_gap_s);
         let nearness_s = [SLACK * interval_s, most_apart_s];
         let mut from = 0;
         (0..samples).map(move |k| self.at(start_s + k as f64 * interval_s, nearness_s, &mut from))
+    }
+
+    /// How far apart samples may lie for a cubic to go from one to the next.
+    fn most_apart_s(&self, smooth_gap_s: f64) -> f64 {
+        smooth_gap_s.max(JITTER * self.interval_s())
+    }
+
+    /// Without samples that repeat the one before.
+    fn without_twins(&self) -> Series {
+        let least_s = TWIN * self.interval_s();
+        let mut kept = Series::default();
+        for (time_s, value) in self.time_s.iter().zip(&self.values) {
+            if kept
+                .time_s
+                .last()
+                .is_none_or(|last| time_s - last > least_s)
+            {
+                kept.time_s.push(*time_s);
+                kept.values.push(*value);
+            }
+        }
+        kept
+    }
+
+    /// Slopes of splines through the samples, from one gap that cubics do not cross to the next.
+    fn slopes(&self, most_apart_s: f64) -> Vec<f64> {
+        let mut slopes = Vec::with_capacity(self.values.len());
+        for times in (self.time_s).chunk_by(|a, b| b - a <= most_apart_s) {
+            let from = slopes.len();
+            let values = &self.values[from..from + times.len()];
+            slopes.extend(spline_slopes(times, values));
+        }
+        slopes
     }
 
     /// Where `t` is between the samples around it: on the cubic through the two on either side,
@@ -129,57 +167,8 @@ impl Series {
             first,
             weights: std::array::from_fn(weight),
             apart_s: times[2] - times[1],
+            part: (t - times[1]) / (times[2] - times[1]),
         })
-    }
-}
-
-/// A time beside the samples of a series; how far apart those it lies between are, or how far off
-/// the nearest is.
-enum Place {
-    Sample {
-        row: usize,
-        apart_s: f64,
-    },
-    Line {
-        row: usize,
-        part: f64,
-        apart_s: f64,
-    },
-    Cubic {
-        first: usize,
-        weights: [f64; 4],
-        apart_s: f64,
-    },
-}
-
-impl Place {
-    fn value(&self, values: &[f64]) -> f64 {
-        match self {
-            Place::Sample { row, .. } => values[*row],
-            Place::Line { row, part, .. } => {
-                let (y0, y1) = (values[*row], values[row + 1]);
-                y0 + (y1 - y0) * part
-            }
-            Place::Cubic { first, weights, .. } => {
-                let terms = weights.iter().zip(&values[*first..]);
-                terms.map(|(weight, value)| weight * value).sum()
-            }
-        }
-    }
-
-    fn apart_s(&self) -> f64 {
-        let (Place::Sample { apart_s, .. }
-        | Place::Line { apart_s, .. }
-        | Place::Cubic { apart_s, .. }) = self;
-        *apart_s
-    }
-
-    fn squares(&self) -> f64 {
-        match self {
-            Place::Sample { .. } => 1.0,
-            Place::Line { part, .. } => (1.0 - part).powi(2) + part.powi(2),
-            Place::Cubic { weights, .. } => weights.iter().map(|w| w * w).sum(),
-        }
     }
 }
 
@@ -284,6 +273,10 @@ pub(super) struct Gaps {
     pub bridged_s: f64,
     /// Longest that is bridged by a cubic: what drives a model kicks it at the ends of a line.
     pub smoothly_s: f64,
+    /// Whether it drives a model. Then it is a spline between samples: cubics through four of them
+    /// each meet at their ends with different slopes, and err more beside uneven samples; stiff
+    /// springs feel both.
+    pub drives: bool,
 }
 
 /// Rows that seem to be missing between rising times.
@@ -335,10 +328,21 @@ fn on_grid(
     samples: usize,
     gaps: Gaps,
 ) -> (Vec<f64>, Vec<bool>) {
+    let distinct = gaps.drives.then(|| series.without_twins());
+    let series = distinct.as_ref().unwrap_or(series);
+    let most_apart_s = series.most_apart_s(gaps.smoothly_s);
+    let slopes = match gaps.drives {
+        true => series.slopes(most_apart_s),
+        false => Vec::new(),
+    };
     (series.on(start_s, interval_s, samples, gaps.smoothly_s))
         .map(|place| {
             let is_bridged = place.apart_s() <= gaps.bridged_s;
-            (place.value(&series.values), is_bridged)
+            let value = match slopes.is_empty() {
+                true => place.value(&series.values),
+                false => place.splined(&series.values, &slopes, most_apart_s),
+            };
+            (value, is_bridged)
         })
         .unzip()
 }
