@@ -45,27 +45,29 @@ fn coupled() -> Desk {
     desk
 }
 
-/// All numbers of what `compare` writes of the measured channels, in their order.
-fn numbers(desk: &Desk, arguments: &[&str]) -> Vec<f64> {
-    fn gather(value: &serde_json::Value, found: &mut Vec<f64>) {
-        match value {
-            serde_json::Value::Number(number) => found.extend(number.as_f64()),
-            serde_json::Value::Array(list) => list.iter().for_each(|one| gather(one, found)),
-            serde_json::Value::Object(map) => map.values().for_each(|one| gather(one, found)),
-            _ => {}
-        }
+/// All numbers of an answer, in their order.
+fn gather(value: &serde_json::Value, found: &mut Vec<f64>) {
+    match value {
+        serde_json::Value::Number(number) => found.extend(number.as_f64()),
+        serde_json::Value::Array(list) => list.iter().for_each(|one| gather(one, found)),
+        serde_json::Value::Object(map) => map.values().for_each(|one| gather(one, found)),
+        _ => {}
     }
-    let arguments = [&["compare"], arguments, &["--out", "compared"]].concat();
-    desk.ends(0, &arguments);
-    let folder = desk
-        .path("compared")
-        .join(arguments[1].replace(".toml", ""));
-    let text = std::fs::read_to_string(folder.join("compare/compare.json"))
-        .or_else(|_| std::fs::read_to_string(desk.path("compared/compare.json")))
-        .unwrap();
+}
+
+/// The numbers in a file of a desk.
+fn numbers_in(file: &Path) -> Vec<f64> {
     let mut found = Vec::new();
+    let text = std::fs::read_to_string(file).unwrap();
     gather(&serde_json::from_str(&text).unwrap(), &mut found);
     found
+}
+
+/// All numbers of what `compare` writes.
+fn numbers(desk: &Desk, arguments: &[&str]) -> Vec<f64> {
+    let name = arguments[0].trim_end_matches(".toml");
+    desk.ends(0, &[&["compare"], arguments].concat());
+    numbers_in(&desk.path(&format!("out/{name}/compare/compare.json")))
 }
 
 /// Whether two lists of numbers are equal to rounding.
@@ -93,4 +95,53 @@ fn verify_currents_of_a_coupled_wrist_are_compared_as_its_torques() {
         let other = numbers(&desk, &["currents.toml", "--set", set]);
         assert!(!agree(&torques, &other), "{set} changes nothing");
     }
+}
+
+#[test]
+fn verify_cells_of_a_force_sensor_identify_the_arm_as_its_forces() {
+    let desk = Desk::new();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = root.canonicalize().unwrap();
+    let shipped = root.join("scenarios/identification");
+    let text = std::fs::read_to_string(shipped.join("arm.toml")).unwrap();
+    let text = text.replace("../../assets", &root.join("assets").display().to_string());
+    let text = text.split("[modes]").next().unwrap();
+    std::fs::write(desk.path("forces.toml"), text).unwrap();
+    let loads = std::fs::read_to_string(shipped.join("loads.csv")).unwrap();
+    std::fs::write(desk.path("loads.csv"), &loads).unwrap();
+    // Forces are 49.2 c₁ − 0.7 c₂ + 1.5 and 20 c₂, N.
+    let mut lines = loads.lines();
+    let head = lines.next().unwrap();
+    let place = |name: &str| head.split(',').position(|one| one == name).unwrap();
+    let [x, y] = ["force_x_n", "force_y_n"].map(place);
+    let rows = lines.map(|line| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let [fx, fy] = [x, y].map(|at| cells[at].parse::<f64>().unwrap());
+        let second = fy / 20.0;
+        cells[x] = ((fx - 1.5 + 0.7 * second) / 49.2).to_string();
+        cells[y] = second.to_string();
+        cells.join(",")
+    });
+    let renamed = head
+        .replace("force_x_n", "cell_1")
+        .replace("force_y_n", "cell_2");
+    let lines: Vec<String> = std::iter::once(renamed).chain(rows).collect();
+    std::fs::write(desk.path("cells.csv"), lines.join("\n")).unwrap();
+    let cells = |offset: f64| {
+        let sum = format!("sum = {{ cell_1 = 49.2, cell_2 = -0.7 }}, offset = {offset:?}");
+        text.replace("loads.csv", "cells.csv")
+            .replace("column = \"force_x_n\"", &sum)
+            .replace("column = \"force_y_n\"", "sum = { cell_2 = 20.0 }")
+    };
+    std::fs::write(desk.path("cells.toml"), cells(1.5)).unwrap();
+    std::fs::write(desk.path("shifted.toml"), cells(3.0)).unwrap();
+    let [forces, cells, shifted] = ["forces", "cells", "shifted"].map(|name| {
+        desk.ends(0, &["identify", &format!("{name}.toml")]);
+        numbers_in(&desk.path(&format!("out/{name}/stiffness.json")))
+    });
+    assert!(
+        forces.len() > 50 && agree(&forces, &cells),
+        "{forces:?}\n{cells:?}"
+    );
+    assert!(!agree(&forces, &shifted), "the offset counts");
 }
