@@ -63,9 +63,8 @@ pub fn readings(
     let mut noise = [None; 6];
     for (index, column) in spec.columns.iter().enumerate() {
         let key = format!("stiffness.column.{index}");
-        let key = key_of(&key, &column.terms);
-        let values =
-            (table.combined(&column.terms)).map_err(|error| IdentifyError::new(&key, error))?;
+        let values = (table.combined(&column.terms))
+            .map_err(|error| IdentifyError::new(key_of(&key, &column.terms), error))?;
         match column.quantity {
             StiffnessQuantity::Joint(joint) => {
                 check_joint(&joints, joint, column.unit.unit, &key)?;
