@@ -3,8 +3,8 @@
 use super::diagnose::desk as elbow;
 use super::*;
 
-/// The wrist of the example measured in currents of its motors, A: torque 1 is 11.2 i₁ − 0.5 i₂ + 0.3
-/// N m, torque 2 is 7.9 i₂ − 1.7 N m.
+/// The wrist of the example measured in currents of its motors, A: torque 1 is
+/// 11.2 i₁ − 0.5 i₂ + 0.3, torque 2 is 7.9 i₂ − 1.7, N m.
 const TORQUES: [(&str, &str); 2] = [
     (
         "column = \"torque_1_n_m\"",

@@ -68,8 +68,8 @@ struct ChannelTable {
     /// Name of the column, its number from "1" on in a file without header, or topic and field of
     /// a log, such as "/joint_states/position/joint_1". Either this or sum is needed.
     column: Option<String>,
-    /// Columns with their factors, added up: `{ current_3 = 11.2, current_4 = -0.5 }`. A sample that
-    /// one of them lacks is missing.
+    /// Columns with their factors, added up: `{ current_3 = 11.2, current_4 = -0.5 }`. A sample
+    /// that one of them lacks is missing.
     sum: Option<BTreeMap<String, f64>>,
     /// Channel that it is compared with, or that it drives.
     channel: String,
@@ -84,8 +84,8 @@ struct ChannelTable {
     /// Known standard deviation of the noise, in `unit`.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "noise has a size; leave it out if it is not known"))]
     noise: Option<f64>,
-    /// Readings of the column, or of any of the sum (before all factors), at or beyond which samples
-    /// are left out.
+    /// Readings of the column, or of any of the sum (before all factors), at or beyond which
+    /// samples are left out.
     saturation: Option<[f64; 2]>,
 }
 

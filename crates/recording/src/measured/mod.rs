@@ -63,7 +63,8 @@ pub enum TimeBase {
 /// Which column, or which linear combination of columns, is which channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelMapping {
-    /// What is read, at least one: `unit` · (`scale` · Σ factor · column + `offset`) is the channel.
+    /// What is read, at least one: the channel is `scale` · Σ factor · column + `offset`, in
+    /// `unit`.
     pub terms: Vec<Term>,
     /// Name of the channel: that of the simulation's channel that it is compared with or drives.
     pub channel: String,
