@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs every test: `cargo test` over the workspace, then the tests in Python: reference numbers computed anew,
 cross-checks against MuJoCo, the fast part of the hidden-effects bench, the random bench's own parts, logs of robots,
-the Python package, the commands that the documents show.
+reports as pages, the Python package, the commands that the documents show.
 
 Makes `.venv` with the packages of `tests/requirements.txt`, pinned by their hashes, on the first call. Tests that are
 skipped are named with their reason. The last line sums up both parts as `N passed, N failed, N skipped`; the exit code
@@ -26,7 +26,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 REQUIREMENTS = ROOT / "tests" / "requirements.txt"
 ENVIRONMENT = ROOT / ".venv"
-PYTHON_FOLDERS = ("reference", "crosscheck", "hidden_effects", "random_bench", "logs", "wheel", "docs")
+PYTHON_FOLDERS = ("reference", "crosscheck", "hidden_effects", "random_bench", "logs", "reports", "wheel", "docs")
 PYTHON_TESTS = tuple(ROOT / "tests" / folder for folder in PYTHON_FOLDERS)
 OLDEST_PYTHON = (3, 10)
 

@@ -51,7 +51,7 @@ fn a_full_disk_leaves_the_earlier_result_whole() {
     desk.ends(0, &["run", "swing.toml"]);
     let folder = desk.path("out/swing");
     let earlier = files(&folder);
-    assert_eq!(earlier.len(), 3);
+    assert_eq!(earlier.len(), 4);
     let largest = earlier.values().map(Vec::len).max().unwrap() as u64;
     let mut draw = ChaCha8Rng::seed_from_u64(2025);
     for trial in 0..10 {

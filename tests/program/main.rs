@@ -5,6 +5,7 @@ mod results;
 mod cam;
 mod clearance;
 mod compare;
+mod coupled;
 mod diagnose;
 mod excite;
 mod fit;

@@ -1,5 +1,7 @@
 //! `truecut check`: runs every scenario found, judges the claims, prints one table, writes JUnit
-//! XML.
+//! XML and a page.
+
+mod report;
 
 use std::path::{Component, Path, PathBuf};
 use std::process::ExitCode;
@@ -93,6 +95,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     crate::print(&table(&checked))?;
     Failure::if_read(&arguments.junit)?;
     write_junit(&checked, &arguments.junit)?;
+    report::write(&checked, &arguments.junit)?;
     let notes = checked.iter().flat_map(|one| {
         let file = one.file.display();
         one.notes.iter().map(move |note| format!("{file}: {note}"))

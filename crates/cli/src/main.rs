@@ -16,6 +16,7 @@ mod fit;
 mod identify;
 mod lobes;
 mod mjcf;
+mod page;
 mod part;
 mod path;
 mod posture;

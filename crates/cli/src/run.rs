@@ -1,5 +1,7 @@
 //! `truecut run`: runs scenarios, judges their claims, writes recordings.
 
+mod report;
+
 use std::process::ExitCode;
 
 use rayon::prelude::*;
@@ -97,6 +99,7 @@ fn run_one(
     if let Some(part) = &finished.part {
         outputs.write_part(part)?;
     }
+    outputs.write_report(&report::html(scenario, &finished))?;
     outputs.finish(&finished.recording, &finished.claims)?;
     let status = ExitStatus::of_run(&finished.recording.outcome, &finished.claims);
     Ok((printed(scenario, &finished, &outputs), status))

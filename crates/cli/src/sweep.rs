@@ -14,6 +14,7 @@ use truecut_sim::{Robots, estimates};
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::figure::{BLACK, Figure, Layer, Legend, PINK, Panel, Style};
+use crate::page::{self, Page};
 use crate::progress::Progress;
 use crate::text::{self, Align};
 
@@ -46,6 +47,8 @@ pub fn run_and_write(
         legend: Legend::Right,
     };
     write_file(&svg, figure.to_svg().as_bytes())?;
+    let page = page(scenario, &table, &claims, figure);
+    write_file(&svg.with_extension("html"), page.html().as_bytes())?;
     if kept > 0 {
         let count = table.rows.len();
         crate::print(&format!(
@@ -55,6 +58,42 @@ pub fn run_and_write(
     crate::print(&printed(scenario, &table, &claims, &svg))?;
     Ok(ExitStatus::of_sweep(&table, &claims))
 }
+
+/// The sweep as a page.
+fn page(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], figure: Figure) -> Page {
+    let mut page = Page::new("run", &scenario.name);
+    let held = claims.iter().filter(|claim| claim.holds).count();
+    let detail = match claims.len() {
+        0 => "no claims".to_owned(),
+        count => format!("{held} of {count} claims hold"),
+    };
+    let good = ExitStatus::of_sweep(table, claims) == ExitStatus::Good;
+    page.verdict(good, &text::count_rows(table), &detail);
+    page.text(page::claims("Claims", claims));
+    let notes = scenario.notes().into_iter();
+    let notes = notes.chain(estimates(scenario, &Robots::new()).ok().flatten());
+    page.text(page::notes(&notes.collect::<Vec<_>>()));
+    page.figures("Results", [figure]);
+    let head = table.columns.iter().map(heading);
+    let head: Vec<String> = head.chain([SWEEP_OUTCOME.to_owned()]).collect();
+    let rows = table.rows.iter().enumerate().take(MOST_ROWS);
+    let rows = rows.map(|(index, row)| {
+        let values = table.columns.iter().zip(row);
+        let mut texts: Vec<String> = values.map(|(column, value)| cell(column, *value)).collect();
+        texts.push(table.fault(index).unwrap_or("completed").to_owned());
+        page::cells(&texts)
+    });
+    let title = match table.rows.len() {
+        count if count > MOST_ROWS => format!("The first {MOST_ROWS} of {count} rows"),
+        _ => "Rows".to_owned(),
+    };
+    page.text(page::table(&title, &head, rows));
+    page.text(page::reproduce("truecut run", scenario));
+    page
+}
+
+/// Most rows of a table that a page lists: `sweep.csv` has all.
+const MOST_ROWS: usize = 1000;
 
 fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg: &Path) -> String {
     let headings = table.columns.iter().map(heading);
@@ -94,7 +133,7 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
         text.push_str(&format!("\n{}", text::claims(claims)));
     }
     text.push_str(&format!(
-        "\n  {}   (beside it: sweep.parquet)\n\n",
+        "\n  {}   (beside it: sweep.html, sweep.parquet)\n\n",
         svg.display()
     ));
     text

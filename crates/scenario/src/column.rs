@@ -1,6 +1,8 @@
 //! What tables about columns of measured files share: units, factors and times.
 
-use truecut_recording::measured::TimeBase;
+use std::collections::BTreeMap;
+
+use truecut_recording::measured::{Term, TimeBase};
 use truecut_recording::{Unit, UserUnit};
 
 use crate::check::Check;
@@ -48,6 +50,45 @@ pub(crate) fn check_scale(table: &str, key: &str, scale: f64, check: &mut Check)
     if scale == 0.0 {
         let message = "is 0, but must not be: nothing of the column would be left";
         check.wrong(table, key, message, "must not be 0");
+    }
+}
+
+/// The columns that a table names: one by `column`, or several with their factors by `sum`; `None`
+/// after recording a fault.
+pub(crate) fn terms(
+    column: Option<String>,
+    sum: Option<BTreeMap<String, f64>>,
+    table: &str,
+    check: &mut Check,
+) -> Option<Vec<Term>> {
+    match (column, sum) {
+        (Some(column), None) => Some(vec![column.as_str().into()]),
+        (None, Some(sum)) if sum.is_empty() => {
+            let message = "is empty, but must name a column: nothing would be measured";
+            check.wrong(table, "sum", message, "no column");
+            None
+        }
+        (None, Some(sum)) => {
+            for (column, factor) in &sum {
+                check_scale(&format!("{table}.sum"), column, *factor, check);
+            }
+            let term = |(column, factor)| Term { column, factor };
+            Some(sum.into_iter().map(term).collect())
+        }
+        (Some(_), Some(_)) => {
+            let because =
+                format!("`{table}.column` names the column; a column of a sum stands in `sum`");
+            check.ignored(table, &["sum"], &because);
+            None
+        }
+        (None, None) => {
+            let message = format!("missing key `column` in [{table}]: it reads a column");
+            let path = format!("{table}.column");
+            let fault = Fault::key(&path, message, "neither column nor sum");
+            check
+                .refuse(fault.with_help("name the column, or several with their factors by `sum`"));
+            None
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! The `[data]` table: measured data, and which of its columns is which channel.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
@@ -8,7 +9,7 @@ use truecut_recording::measured::ChannelMapping;
 use truecut_recording::{Mapping, Role, UserUnit};
 
 use crate::check::Check;
-use crate::column::{check_scale, read_unit, time_base};
+use crate::column::{check_scale, read_unit, terms, time_base};
 
 /// Measured data.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,25 +61,31 @@ pub(crate) struct DataTable {
     channel: Vec<ChannelTable>,
 }
 
-/// One column that is used.
+/// One column that is used, or several that make one channel.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ChannelTable {
     /// Name of the column, its number from "1" on in a file without header, or topic and field of
-    /// a log, such as "/joint_states/position/joint_1".
-    column: String,
+    /// a log, such as "/joint_states/position/joint_1". Either this or sum is needed.
+    column: Option<String>,
+    /// Columns with their factors, added up: `{ current_3 = 11.2, current_4 = -0.5 }`. A sample
+    /// that one of them lacks is missing.
+    sum: Option<BTreeMap<String, f64>>,
     /// Channel that it is compared with, or that it drives.
     channel: String,
-    /// Unit of the column, after `scale`.
+    /// Unit of the column, or of the sum, after `scale`.
     unit: String,
-    /// Factor on the column, e.g. newtons per volt. Default: 1.
+    /// Factor on the column or the sum, e.g. newtons per volt. Default: 1.
     scale: Option<f64>,
+    /// Added to it after `scale`, in `unit`. Default: 0.
+    offset: Option<f64>,
     /// "output": compared; "input": drives the replay. Default: "output".
     role: Option<RoleName>,
     /// Known standard deviation of the noise, in `unit`.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "noise has a size; leave it out if it is not known"))]
     noise: Option<f64>,
-    /// Readings of the column (before `scale`) at or beyond which samples are left out.
+    /// Readings of the column, or of any of the sum (before all factors), at or beyond which
+    /// samples are left out.
     saturation: Option<[f64; 2]>,
 }
 
@@ -169,11 +176,13 @@ impl ChannelTable {
                 format!("is [{low}, {high}], but the first reading must be below the second");
             check.wrong(table, "saturation", message, "nothing lies between");
         }
+        let terms = terms(self.column, self.sum, table, check);
         let unit: UserUnit = read_unit(&self.unit, table, "unit", check)?;
         Some(ChannelMapping {
-            column: self.column,
+            terms: terms?,
             channel: self.channel,
             scale,
+            offset: self.offset.unwrap_or(0.0),
             role: match self.role {
                 Some(RoleName::Input) => Role::Input,
                 Some(RoleName::Output) | None => Role::Output,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use truecut_recording::Measured;
-use truecut_recording::measured::{DataError, TimeBase, measured_of as map};
+use truecut_recording::measured::{ChannelMapping, DataError, TimeBase, measured_of as map};
 use truecut_scenario::{DataSpec, Scenario};
 use truecut_sim::run::RunError;
 use truecut_telemetry::read_tables;
@@ -83,11 +83,12 @@ fn load(scenario: &Scenario, data: &DataSpec, file: Option<&Path>) -> Result<Mea
     };
     let tables =
         read_tables(path, data.header).map_err(|error| failed("data.file", error.to_string()))?;
-    map(&tables, &data.mapping).map_err(|error| failed(&key(data, &error), error.to_string()))
+    map(&tables, &data.mapping)
+        .map_err(|error| failed(&key(scenario, data, &error), error.to_string()))
 }
 
 /// The key of the scenario that asks for what the data do not have.
-fn key(data: &DataSpec, error: &DataError) -> String {
+fn key(scenario: &Scenario, data: &DataSpec, error: &DataError) -> String {
     let (DataError::NoColumn { column, .. } | DataError::Channel { column, .. }) = error else {
         return "data.file".to_owned();
     };
@@ -95,8 +96,15 @@ fn key(data: &DataSpec, error: &DataError) -> String {
         return "data.time".to_owned();
     }
     let mut channels = data.mapping.channels.iter();
-    match channels.position(|one| one.column == *column) {
-        Some(index) => format!("data.channel.{index}.column"),
-        None => "data.file".to_owned(),
+    let names = |one: &ChannelMapping| {
+        one.source() == *column || one.terms.iter().any(|term| term.column == *column)
+    };
+    let Some(index) = channels.position(names) else {
+        return "data.file".to_owned();
+    };
+    let table = format!("data.channel.{index}");
+    match scenario.gives(&format!("{table}.sum")) {
+        true => format!("{table}.sum"),
+        false => format!("{table}.column"),
     }
 }

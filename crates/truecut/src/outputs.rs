@@ -48,6 +48,8 @@ const VIEWER: &str = "recording.rrd";
 pub const PART: &str = "part.stl";
 /// The same with its errors.
 pub const PART_ERROR: &str = "part.ply";
+/// The run as a page, for people.
+pub const REPORT: &str = "run.html";
 const SUMMARY: &str = "summary.json";
 /// The robot for MuJoCo, written by a cross-check.
 pub const MODEL: &str = "model.xml";
@@ -83,13 +85,15 @@ impl Outputs {
 
     /// The other files.
     pub fn other_files(&self) -> Vec<&'static str> {
-        let all = [VIEWER, RECORDING, MAP_TABLE, MAP_TEXT, MAP_MESH, SUMMARY];
+        let all = [
+            VIEWER, RECORDING, MAP_TABLE, MAP_TEXT, MAP_MESH, REPORT, SUMMARY,
+        ];
         let main = if self.rrd { VIEWER } else { RECORDING };
-        let is_map = |name: &str| [MAP_TABLE, MAP_TEXT, MAP_MESH].contains(&name);
+        let may_be = |name: &str| [MAP_TABLE, MAP_TEXT, MAP_MESH, REPORT].contains(&name);
         let written = |name: &&'static str| {
             *name != main
                 && (self.rrd || *name != VIEWER)
-                && (!is_map(name) || self.path(name).is_file())
+                && (!may_be(name) || self.path(name).is_file())
         };
         all.into_iter().filter(written).collect()
     }
@@ -173,6 +177,14 @@ impl Outputs {
         write_file(&self.files.path(PART_ERROR), &part.to_ply())
     }
 
+    /// Writes `run.html`.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write_report(&self, html: &str) -> Result<(), FileError> {
+        write_file(&self.files.path(REPORT), html.as_bytes())
+    }
+
     /// Writes `summary.json`, and gives all files their places: those of an earlier run go, the
     /// stream goes since the Parquet file has its rows. A summary is there only beside the files
     /// of its run.
@@ -186,7 +198,7 @@ impl Outputs {
         write_file(&path, format!("{summary}\n").as_bytes())?;
         self.files.publish(&[
             VIEWER, RECORDING, STREAM, MODEL, COMPARISON, MAP_TABLE, MAP_TEXT, MAP_MESH, PART,
-            PART_ERROR, SUMMARY,
+            PART_ERROR, REPORT, SUMMARY,
         ])
     }
 }

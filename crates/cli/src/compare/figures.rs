@@ -10,14 +10,16 @@ use crate::figure::{
 };
 use crate::text::reading_unit;
 
-/// Most points of a curve.
-const POINTS: usize = 2400;
+/// Most points of a curve in a figure that is a file of its own.
+pub const POINTS: usize = 2400;
 
 /// One channel as drawn, all columns of equal length; NaN where there is no measurement.
 struct FigureColumns {
     time_s: Vec<f64>,
     measured: Vec<f64>,
     simulated: Vec<f64>,
+    /// Most points of a curve.
+    points: usize,
 }
 
 impl FigureColumns {
@@ -32,8 +34,12 @@ pub fn channel(
     channel: &ChannelComparison,
     simulated: &Recording,
     measured: &Measured,
+    points: usize,
 ) -> Figure {
-    let columns = columns(channel, comparison, simulated, measured);
+    let columns = FigureColumns {
+        points,
+        ..columns(channel, comparison, simulated, measured)
+    };
     Figure {
         title: format!(
             "{}: measured and simulated, NRMSE {} %",
@@ -43,7 +49,7 @@ pub fn channel(
         panels: vec![
             signals(channel.unit, &columns),
             residual(channel.unit, &columns),
-            spectrum(channel, comparison.rate_hz),
+            spectrum(channel, comparison.rate_hz, points),
             explanation(comparison, channel, &columns),
         ],
         columns: 2,
@@ -76,6 +82,7 @@ fn columns(
         simulated: along(simulated, measured, column, rows),
         measured: values,
         time_s,
+        points: POINTS,
     }
 }
 
@@ -91,14 +98,14 @@ fn labelled(what: &str, unit: &UserUnit) -> String {
 /// A curve over time in the given unit.
 fn over_time(
     label: &str,
-    time_s: &[f64],
+    columns: &FigureColumns,
     values: impl Iterator<Item = f64>,
     unit: &UserUnit,
     colour: usize,
 ) -> Layer {
-    let points = time_s.iter().zip(values);
+    let points = columns.time_s.iter().zip(values);
     let points = points.map(|(t, value)| (*t, unit.from_si(value)));
-    Layer::line(label, thinned(points, POINTS), colour)
+    Layer::line(label, thinned(points, columns.points), colour)
 }
 
 fn signals(unit: Unit, columns: &FigureColumns) -> Panel {
@@ -107,13 +114,7 @@ fn signals(unit: Unit, columns: &FigureColumns) -> Panel {
         largest(columns.measured.iter().chain(&columns.simulated).copied()),
     );
     let layer = |label: &str, values: &[f64], colour| {
-        over_time(
-            label,
-            &columns.time_s,
-            values.iter().copied(),
-            &unit,
-            colour,
-        )
+        over_time(label, columns, values.iter().copied(), &unit, colour)
     };
     Panel::new(
         "Signals",
@@ -132,17 +133,11 @@ fn residual(unit: Unit, columns: &FigureColumns) -> Panel {
         "Residual: measured − simulated",
         "time [s]",
         labelled("residual", &unit),
-        vec![over_time(
-            "",
-            &columns.time_s,
-            columns.residual(),
-            &unit,
-            GREEN,
-        )],
+        vec![over_time("", columns, columns.residual(), &unit, GREEN)],
     )
 }
 
-fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
+fn spectrum(channel: &ChannelComparison, rate_hz: f64, most: usize) -> Panel {
     let mut panel = Panel {
         title: "Spectrum of the residual".to_owned(),
         x_label: "frequency [Hz]".to_owned(),
@@ -161,7 +156,7 @@ fn spectrum(channel: &ChannelComparison, rate_hz: f64) -> Panel {
     let density = |density: &f64| unit.from_si(amplitude(*density));
     let layer = |label: &str, densities: &[f64], style, colour| {
         let all = spectra.frequency_hz.iter().zip(densities);
-        let points = thinned(all.map(|(f, d)| (*f, density(d))), POINTS);
+        let points = thinned(all.map(|(f, d)| (*f, density(d))), most);
         Layer::new(label, points, style, colour)
     };
     let at = |hertz: f64| {
@@ -224,7 +219,7 @@ fn explanation(
     let of_signal = signal.map_or(Unit::One, |signal| signal.spec.unit);
     let x_unit = reading_unit(of_signal, largest(values.iter().copied()));
     let unit = reading_unit(channel.unit, largest(columns.residual()));
-    let step = values.len().div_ceil(POINTS).max(1);
+    let step = values.len().div_ceil(columns.points).max(1);
     let cloud = values.iter().zip(columns.residual()).step_by(step);
     let p = if found.p_value < 1e-6 {
         "< 1e-6".to_owned()

@@ -17,13 +17,14 @@ use truecut_sim::{Robots, estimates};
 
 use crate::args::CompareArguments;
 use crate::failure::Failure;
+use crate::page::{self, MOST_POINTS, Page, REPORT};
 use crate::progress::Progress;
 
 use crate::exit_status::ExitStatus;
 
 /// Output folder below that of the scenario, and the report in it.
 const FOLDER: &str = "compare";
-const REPORT: &str = "compare.json";
+const ANSWER: &str = "compare.json";
 
 /// Runs the scenario, compares it with its data, prints the table, writes report and figures.
 pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
@@ -60,6 +61,8 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
     comparison.notes.extend(spiky);
     let folder = arguments.out.join(scenario.stem()).join(FOLDER);
     let written = write(&folder, &comparison, &simulated, &measured)?;
+    let page = page(scenario, &comparison, &simulated, &measured);
+    write_file(&folder.join(REPORT), page.html().as_bytes())?;
     crate::print(&text::printed(&scenario.name, &comparison, &written))?;
     Ok(ExitStatus::Good)
 }
@@ -82,7 +85,24 @@ fn refused(scenario: &Scenario, measured: &Measured, error: &CompareError) -> Fa
     }
 }
 
-/// Writes the report and a figure for each channel; returns the files, report first.
+/// The comparison as a page.
+fn page(
+    scenario: &Scenario,
+    comparison: &Comparison,
+    simulated: &Recording,
+    measured: &Measured,
+) -> Page {
+    let mut page = Page::new("compare", &scenario.name);
+    page.told(&text::printed(&scenario.name, comparison, &[]));
+    let figures = comparison.channels.iter();
+    let figures =
+        figures.map(|one| figures::channel(comparison, one, simulated, measured, MOST_POINTS));
+    page.figures("Measured and simulated", figures);
+    page.text(page::reproduce("truecut compare", scenario));
+    page
+}
+
+/// Writes the answer and a figure for each channel; returns the files, answer first.
 fn write(
     folder: &Path,
     comparison: &Comparison,
@@ -95,12 +115,12 @@ fn write(
         }
         _ => {}
     }
-    let report = folder.join(REPORT);
+    let report = folder.join(ANSWER);
     write_file(&report, crate::text::json(comparison)?.as_bytes())?;
     let mut written = vec![report];
     for channel in &comparison.channels {
         let path = folder.join(format!("{}.svg", channel.channel));
-        let figure = figures::channel(comparison, channel, simulated, measured);
+        let figure = figures::channel(comparison, channel, simulated, measured, figures::POINTS);
         write_file(&path, figure.to_svg().as_bytes())?;
         written.push(path);
     }

@@ -34,7 +34,7 @@ pub fn printed(name: &str, comparison: &Comparison, written: &[PathBuf]) -> Stri
     }
     if let Some(report) = written.first() {
         text.push_str(&format!(
-            "\n  {}   (beside it: a figure of each channel)\n\n",
+            "\n  {}   (beside it: report.html, a figure of each channel)\n\n",
             report.display()
         ));
     }

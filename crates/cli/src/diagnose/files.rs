@@ -93,7 +93,7 @@ pub fn write(
     }
     write_file(
         &files.path(REPORT),
-        report::html(trial, confirmed).as_bytes(),
+        report::html(scenario, trial, confirmed).as_bytes(),
     )?;
     viewer::write(trial, confirmed, &text, &files.path(VIEWER))?;
     let json = text::json(&answer.diagnosis)?;

@@ -1,53 +1,39 @@
-//! The diagnosis as one HTML page with inline figures.
+//! The diagnosis as a page.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use truecut_discrepancy::diagnose::{Diagnosis, SmallestSeen, UnknownCurve};
 use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::Trial;
 use truecut_recording::{UserUnit, significant};
+use truecut_scenario::Scenario;
 
 use super::Confirmed;
 use super::text;
 use crate::figure::{BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, Style, largest, thinned};
+use crate::page::{self, MOST_POINTS, Page, cells, table};
 use crate::text::reading_unit;
 
-/// Points of a curve that a page can show.
-pub(super) const POINTS: usize = 1200;
-
-pub(super) const STYLE: &str = "body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
-table{border-collapse:collapse;margin:.5rem 0}td,th{padding:.2rem .8rem;text-align:left;border-bottom:1px solid #ddd}\
-td.n{text-align:right}.verdict{font-size:1.3rem;padding:.6rem 1rem;background:#eef3f8;border-left:6px solid #0072b2}\
-svg{max-width:100%;height:auto}";
-
 /// The page.
-pub fn html(trial: &Trial, confirmed: &Confirmed) -> String {
+pub fn html(scenario: &Scenario, trial: &Trial, confirmed: &Confirmed) -> String {
     let diagnosis = &confirmed.answer.diagnosis;
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                title { (diagnosis.scenario) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { (diagnosis.scenario) }
-                p { "Data: " (diagnosis.data) }
-                p.verdict { b { (text::headline(diagnosis)) } br; (diagnosis.reason) }
-                (causes(diagnosis))
-                (unnamed(diagnosis.curve.as_ref()))
-                (others(diagnosis))
-                (gain(diagnosis))
-                h2 { "Measured, nominal, extended" }
-                @for index in worst_first(trial, diagnosis) {
-                    (PreEscaped(figure(trial, confirmed, index)))
-                }
-                (seen(diagnosis))
-                (notes(trial, confirmed))
-            }
-        }
-    };
-    page.into_string()
+    let mut page = Page::new("diagnose", &diagnosis.scenario);
+    page.text(html! {
+        p { "Data: " (diagnosis.data) }
+        p.verdict { b { (text::headline(diagnosis)) } br; (diagnosis.reason) }
+        (causes(diagnosis))
+        (unnamed(diagnosis.curve.as_ref()))
+        (others(diagnosis))
+        (gain(diagnosis))
+    });
+    let channels = worst_first(trial, diagnosis).into_iter();
+    page.figures(
+        "Measured, nominal, extended",
+        channels.map(|index| figure(trial, confirmed, index)),
+    );
+    page.text(seen(diagnosis));
+    page.text(notes(trial, confirmed));
+    page.text(page::reproduce("truecut diagnose", scenario));
+    page.html()
 }
 
 fn causes(diagnosis: &Diagnosis) -> Markup {
@@ -210,7 +196,7 @@ fn worst_first(trial: &Trial, diagnosis: &Diagnosis) -> Vec<usize> {
     order
 }
 
-fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
+fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> Figure {
     let spec = &trial.channels()[index];
     let output = &trial.observation.outputs[index];
     let time_s = &trial.observation.time_s;
@@ -224,7 +210,7 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
             false => f64::NAN,
         };
         let points = (0..time_s.len()).map(|row| (time_s[row], shown(row)));
-        Layer::line(label, thinned(points, POINTS), colour)
+        Layer::line(label, thinned(points, MOST_POINTS), colour)
     };
     let measured = |row: usize| output.values[row];
     let seen = (0..time_s.len()).filter(|row| output.valid[*row]);
@@ -244,7 +230,7 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
         curve("less nominal", ORANGE, &|row| left(nominal, row), &small),
         curve("less extended", GREEN, &|row| left(extended, row), &small),
     ];
-    let figure = Figure {
+    Figure {
         title: spec.description.clone(),
         panels: vec![
             panel("Signals", &spec.name, &unit, signals),
@@ -257,34 +243,5 @@ fn figure(trial: &Trial, confirmed: &Confirmed, index: usize) -> String {
         ],
         columns: 1,
         legend: Legend::Above,
-    };
-    figure.to_svg()
-}
-
-/// A table under its title; nothing where it has no rows. A row is its cells.
-pub(super) fn table(
-    title: &str,
-    head: &[impl AsRef<str>],
-    rows: impl Iterator<Item = Markup>,
-) -> Markup {
-    let mut rows = rows.peekable();
-    if rows.peek().is_none() {
-        return html! {};
-    }
-    html! {
-        h2 { (title) }
-        table {
-            tr { @for cell in head { th { (cell.as_ref()) } } }
-            @for row in rows { tr { (row) } }
-        }
-    }
-}
-
-/// Cells of a row, numbers to the right.
-pub(super) fn cells(texts: &[impl AsRef<str>]) -> Markup {
-    html! {
-        @for text in texts.iter().map(AsRef::as_ref) {
-            td.n[text.parse::<f64>().is_ok()] { (text) }
-        }
     }
 }

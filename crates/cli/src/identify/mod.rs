@@ -6,6 +6,7 @@ mod text;
 
 use std::path::Path;
 
+use truecut::outputs::write_file;
 use truecut_discrepancy::identify::frf::{Frf, frf};
 use truecut_discrepancy::identify::impact::impact;
 use truecut_discrepancy::identify::modes::{ModesReport, against_model};
@@ -22,6 +23,7 @@ use truecut_telemetry::read_table;
 use crate::args::IdentifyArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
+use crate::page::{self, Page};
 
 /// Runs the identification, prints it and writes reports and figures.
 pub fn identify(arguments: &IdentifyArguments) -> Result<ExitStatus, Failure> {
@@ -37,14 +39,26 @@ pub fn identify(arguments: &IdentifyArguments) -> Result<ExitStatus, Failure> {
         .transpose()?;
     let folder = arguments.out.join(file.stem());
     let mut text = format!("{}\n", file.name);
+    let mut page = Page::new("identify", &file.name);
     if let Some(report) = &stiffness {
         let written = files::stiffness(&folder, report)?;
         text.push_str(&text::stiffness(report, &written));
+        page.told(&text::stiffness(report, &[]));
+        page.figures("Stiffness", [figures::stiffness(report)]);
     }
     if let Some(report) = &modes {
         let written = files::modes(&folder, report)?;
         text.push_str(&text::modes(report, &written));
+        page.told(&text::modes(report, &[]));
+        page.figures("Modes", [figures::modes(report)]);
     }
+    page.text(page::repeat(
+        "truecut identify",
+        &format!("{}.toml", file.stem()),
+    ));
+    let html = folder.join("identify.html");
+    write_file(&html, page.html().as_bytes())?;
+    text.push_str(&format!("  {}   (all of it as a page)\n\n", html.display()));
     crate::print(&text)
 }
 

@@ -10,6 +10,7 @@ use truecut_telemetry::{Column, write_charts, write_columns};
 use super::{Diagram, figure, json, rpm, text};
 use crate::failure::Failure;
 use crate::figure::charts_of;
+use crate::page::{self, Page};
 use crate::spread::{self, COLUMNS};
 
 /// Writes the figure first, then the other files.
@@ -23,12 +24,14 @@ pub fn write(diagram: &Diagram<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure>
     );
     let figure = figure::figure(diagram);
     write_file(&svg, figure.to_svg().as_bytes())?;
+    let html = at("lobes.html");
+    write_file(&html, page(diagram).html().as_bytes())?;
     let text = diagram.scenario.effective_text();
     write_columns(&field, &field_columns(diagram), &text)?;
     write_columns(&limits, &limit_columns(diagram), &text)?;
     let report = at("lobes.json");
     write_file(&report, json::json(diagram)?.as_bytes())?;
-    let mut written = vec![svg, field, limits, report];
+    let mut written = vec![svg, html, field, limits, report];
     if !diagram.runs.is_empty() {
         let runs = at("lobes_runs.parquet");
         write_columns(&runs, &run_columns(diagram), &text)?;
@@ -41,6 +44,15 @@ pub fn write(diagram: &Diagram<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure>
         .map_err(|error| Failure::message(error.to_string()))?;
     written.push(rrd);
     Ok(written)
+}
+
+/// The diagram as a page.
+fn page(diagram: &Diagram<'_>) -> Page {
+    let mut page = Page::new("lobes", format!("{}: stability", diagram.scenario.name));
+    page.told(&text::printed(diagram, &[]));
+    page.figures("Stability", [figure::figure(diagram)]);
+    page.text(page::reproduce("truecut lobes", diagram.scenario));
+    page
 }
 
 fn field_columns(diagram: &Diagram<'_>) -> Vec<Column<'static>> {

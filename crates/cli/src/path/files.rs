@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use truecut_plan::program::{Motion, Move, Program, ProgramError, ProgramFile};
 use truecut_plan::surface_path::{Contact, Part, Segment, joint_cells};
 
-use super::{PlannedPath, figure, view};
+use super::{PlannedPath, figure, text, view};
 use crate::failure::Failure;
+use crate::page::{self, Page};
 use truecut::outputs::write_file;
 
 /// Writes the figure first, then the path, then the program.
@@ -15,12 +16,14 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
     let folder = out.join(answer.job.stem());
     let (svg, points_csv) = (folder.join("path.svg"), folder.join("path.csv"));
     write_file(&svg, figure::figure(answer).to_svg().as_bytes())?;
+    let html = folder.join("path.html");
+    write_file(&html, page(answer).html().as_bytes())?;
     let points = table(answer).map_err(|error| Failure::at(&points_csv, error))?;
     write_file(&points_csv, &points)?;
     let mut written = vec![svg, points_csv];
     let rrd = folder.join("path.rrd");
     view::show(answer, &written, &rrd)?;
-    written.push(rrd);
+    written.extend([rrd, html]);
     // What collides gets no program.
     for one in program.into_iter().filter(|_| answer.holds()) {
         let file = folder.join(one.name);
@@ -28,6 +31,18 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
         written.push(file);
     }
     Ok(written)
+}
+
+/// The path as a page.
+fn page(answer: &PlannedPath<'_>) -> Page {
+    let mut page = Page::new("path", format!("{}: path", answer.job.name));
+    page.told(&text::printed(answer, &[]));
+    page.figures("Path", [figure::figure(answer)]);
+    page.text(page::repeat(
+        "truecut path",
+        &format!("{}.toml", answer.job.stem()),
+    ));
+    page
 }
 
 /// Files of the program.

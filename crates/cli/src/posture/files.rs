@@ -11,6 +11,7 @@ use truecut_telemetry::{Column, PlanShown, PlanStation, write_columns, write_pla
 use super::{PostureAnswer, figure, text};
 use crate::failure::Failure;
 use crate::figure::{Figure, charts_of};
+use crate::page::{self, Page};
 use crate::spread::{self, COLUMNS};
 
 /// Writes the figure first, then the scenario with the plan, then the other files.
@@ -27,18 +28,29 @@ pub fn write(answer: &PostureAnswer<'_>, out: &Path) -> Result<Vec<PathBuf>, Fai
     );
     let drawn = figure::figure(answer);
     write_file(&svg, drawn.to_svg().as_bytes())?;
+    let html = at("posture.html");
+    write_file(&html, page(answer).html().as_bytes())?;
     let text = scenario.planned_text(&folder, &answer.study.planned(&answer.plan));
     write_file(&planned, text.as_bytes())?;
     write_columns(&stations, &station_columns(answer), &text)?;
     write_columns(&map, &map_columns(answer), &text)?;
     show(answer, &rrd, &text, &drawn)?;
-    let mut written = vec![svg, planned, stations, map, rrd];
+    let mut written = vec![svg, planned, html, stations, map, rrd];
     if let Some(uncertain) = &answer.uncertain {
         let report = at("posture_uncertain.json");
         write_file(&report, uncertain.json(answer)?.as_bytes())?;
         written.push(report);
     }
     Ok(written)
+}
+
+/// The plan as a page.
+fn page(answer: &PostureAnswer<'_>) -> Page {
+    let mut page = Page::new("posture", format!("{}: postures", answer.scenario.name));
+    page.told(&text::summary(answer));
+    page.figures("Along the path", [figure::figure(answer)]);
+    page.text(page::reproduce("truecut posture", answer.scenario));
+    page
 }
 
 fn show(answer: &PostureAnswer<'_>, rrd: &Path, text: &str, drawn: &Figure) -> Result<(), Failure> {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3, Vector6};
 use truecut_recording::Unit;
-use truecut_recording::measured::{LARGEST, Table};
+use truecut_recording::measured::{LARGEST, Table, Term, formula};
 use truecut_scenario::identification::{StiffnessQuantity, StiffnessSpec};
 use truecut_sim::elastic::ElasticArm;
 
@@ -41,6 +41,14 @@ pub struct Readings {
 /// Postures that differ by less than this, rad or m, are the same: encoders resolve more.
 const SAME_POSTURE: f64 = 1e-6;
 
+/// The key that names the columns.
+fn key_of(table: &str, terms: &[Term]) -> String {
+    match terms {
+        [one] if one.factor == 1.0 => format!("{table}.column"),
+        _ => format!("{table}.sum"),
+    }
+}
+
 /// Reads the rows of a table.
 ///
 /// # Errors
@@ -55,8 +63,8 @@ pub fn readings(
     let mut noise = [None; 6];
     for (index, column) in spec.columns.iter().enumerate() {
         let key = format!("stiffness.column.{index}");
-        let values = (table.column(&column.column))
-            .map_err(|error| IdentifyError::new(format!("{key}.column"), error))?;
+        let values = (table.combined(&column.terms))
+            .map_err(|error| IdentifyError::new(key_of(&key, &column.terms), error))?;
         match column.quantity {
             StiffnessQuantity::Joint(joint) => {
                 check_joint(&joints, joint, column.unit.unit, &key)?;
@@ -77,21 +85,22 @@ pub fn readings(
         let mut command = arm.posture().to_vec();
         let (mut load, mut answers) = ([0.0; 6], Vec::new());
         for (column, values, key) in &columns {
-            let value = values[row] * column.scale * column.unit.si_factor;
+            let value = (values[row] * column.scale + column.offset) * column.unit.si_factor;
             if !value.is_finite() && !column.quantity.is_answer() {
                 let message = format!(
                     "column \"{}\" holds no number, but postures and loads must be known",
-                    column.column
+                    formula(&column.terms)
                 );
-                return Err(at_row(table, row, format!("{key}.column"), message));
+                return Err(at_row(table, row, key_of(key, &column.terms), message));
             }
             if value.abs() > LARGEST {
                 let message = format!(
                     "column \"{}\" holds {:e}, which is no measurement: at most {LARGEST:e} in SI \
                      units",
-                    column.column, values[row]
+                    formula(&column.terms),
+                    values[row]
                 );
-                return Err(at_row(table, row, format!("{key}.column"), message));
+                return Err(at_row(table, row, key_of(key, &column.terms), message));
             }
             match column.quantity {
                 StiffnessQuantity::Joint(joint) => command[joint] = value,

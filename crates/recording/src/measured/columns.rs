@@ -1,6 +1,7 @@
 //! From columns to channels: times, units, masks, checks.
 
 use super::clocks;
+use super::combination::Columns;
 use super::outputs::{constant, left_out, read_twice, refuse_all_constant, without_spikes};
 use super::resample::{Base, Gaps, Series, median_interval_s, missing_rows, resample};
 use super::times::rate_note;
@@ -41,7 +42,7 @@ pub fn measured_of(tables: &Tables, mapping: &Mapping) -> Result<Measured, DataE
     }
     let (mut found, mut places) = (Vec::new(), Vec::new());
     for channel in &mapping.channels {
-        let index = tables.index_of(&channel.column)?;
+        let index = place_of(tables, channel)?;
         let place = found.iter().position(|one| *one == index);
         places.push(place.unwrap_or(found.len()));
         if place.is_none() {
@@ -54,6 +55,29 @@ pub fn measured_of(tables: &Tables, mapping: &Mapping) -> Result<Measured, DataE
         .map(|table| Used::of(table, mapping))
         .collect();
     assemble(&tables.source, mapping, &used?, &places)
+}
+
+/// The table that has the columns of a channel: all of them, since tables have times of their own.
+fn place_of(tables: &Tables, channel: &ChannelMapping) -> Result<usize, DataError> {
+    let mut found = None;
+    for term in &channel.terms {
+        let index = tables.index_of(&term.column)?;
+        let first = *found.get_or_insert(index);
+        if index != first {
+            let [first, other] = [first, index].map(|at| &tables.tables[at].source);
+            return Err(DataError::Channel {
+                source_name: tables.source.clone(),
+                column: channel.source(),
+                channel: channel.channel.clone(),
+                message: format!(
+                    "its columns are of {first} and of {other}, but must be of one topic: only these have times \
+                     in common"
+                ),
+            });
+        }
+    }
+    // A channel has at least one column.
+    Ok(found.unwrap_or_default())
 }
 
 /// The rows of a table that are used.
@@ -100,6 +124,8 @@ fn assemble(
         notes.extend(rate_note(one.table, mapping));
     }
     notes.extend(read_twice(mapping));
+    let combined = mapping.channels.iter().filter(|one| one.is_combined());
+    notes.extend(combined.map(|one| format!("{} is {}", one.channel, one.whole_formula())));
     let channels = channels(mapping, &mut series, &base, &mut notes);
     let time_s = base.times();
     let passes = passes(source, mapping, &base, &time_s)?;
@@ -170,7 +196,10 @@ fn channels(
             spec: ChannelSpec::new(
                 channel.channel.clone(),
                 channel.unit.unit,
-                format!("Measured: column {}", channel.column),
+                match channel.is_combined() {
+                    true => format!("Measured: {}", channel.whole_formula()),
+                    false => format!("Measured: column {}", channel.source()),
+                },
             ),
             role: channel.role,
             values,
@@ -275,36 +304,40 @@ pub const LARGEST: f64 = 1e30;
 /// The valid samples of one channel, SI.
 fn read(used: &Used, mapping: &Mapping, channel: &ChannelMapping) -> Result<Series, DataError> {
     let table = used.table;
-    let column = table.column(&channel.column)?;
+    let columns = Columns::of(table, &channel.terms)?;
+    let offset = channel.offset * channel.unit.si_factor;
     let factor = channel.scale * channel.unit.si_factor;
     let mut series = Series::default();
     let refuse = |message: String| DataError::Channel {
         source_name: table.source.clone(),
-        column: channel.column.clone(),
+        column: channel.source(),
         channel: channel.channel.clone(),
         message,
     };
     unit_agrees(table, channel).map_err(refuse)?;
     for (&row, &t) in used.rows.iter().zip(&used.time_s) {
-        let reading = column[row];
-        let is_at_end =
-            (channel.saturation).is_some_and(|[low, high]| reading <= low || reading >= high);
-        if !reading.is_finite() || is_at_end {
+        let is_at_end = (channel.saturation).is_some_and(|[low, high]| {
+            let mut readings = columns.readings(row);
+            readings.any(|reading| reading <= low || reading >= high)
+        });
+        let sum = columns.sum(row);
+        let value = sum * factor + offset;
+        if columns.readings(row).any(|reading| !reading.is_finite()) || is_at_end {
             let count = match is_at_end {
                 true => &mut series.saturated,
                 false => &mut series.missing,
             };
             *count += 1;
             series.first_masked.get_or_insert_with(|| table.place(row));
-        } else if (reading * factor).abs() > LARGEST {
+        } else if value.is_nan() || value.abs() > LARGEST {
             return Err(refuse(format!(
-                "{}: {reading:e} is not a measurement, which is at most {LARGEST:e} in SI units; leave the cell empty, or \
+                "{}: {sum:e} is not a measurement, which is at most {LARGEST:e} in SI units; leave the cell empty, or \
                  give `saturation`",
                 table.place(row)
             )));
         } else {
             series.time_s.push(t);
-            series.values.push(reading * factor);
+            series.values.push(value);
         }
     }
     check(&series, mapping, channel).map_err(refuse)?;
@@ -312,15 +345,23 @@ fn read(used: &Used, mapping: &Mapping, channel: &ChannelMapping) -> Result<Seri
 }
 
 /// A unit that the file gives its column is the one that the mapping says, where nothing scales it
-/// (a sign may).
+/// (a sign may): columns that are added as they are must have it all.
 fn unit_agrees(table: &Table, channel: &ChannelMapping) -> Result<(), String> {
-    let Some(written) = table.units.get(&channel.column) else {
+    let mut terms = channel.terms.iter();
+    if terms.any(|term| (term.factor * channel.scale).abs() != 1.0) {
+        return Ok(());
+    }
+    let mut terms = channel.terms.iter();
+    terms.try_for_each(|term| column_unit_agrees(table, &term.column, channel))
+}
+
+fn column_unit_agrees(table: &Table, column: &str, channel: &ChannelMapping) -> Result<(), String> {
+    let Some(written) = table.units.get(column) else {
         return Ok(());
     };
     match UserUnit::parse(written) {
         Ok(found)
-            if channel.scale.abs() == 1.0
-                && (found.unit, found.si_factor) != (channel.unit.unit, channel.unit.si_factor) =>
+            if (found.unit, found.si_factor) != (channel.unit.unit, channel.unit.si_factor) =>
         {
             Err(format!(
                 "the file gives its unit as \"{written}\", but the scenario as \"{}\"; \

@@ -6,6 +6,7 @@
 
 mod clocks;
 mod columns;
+mod combination;
 mod error;
 mod inspect;
 mod outputs;
@@ -19,6 +20,7 @@ mod times;
 
 pub use clocks::{HEADER_STAMP, LOG_TIME};
 pub use columns::{LARGEST, measured, measured_of};
+pub use combination::{Term, formula};
 pub use error::DataError;
 pub use inspect::{ColumnFacts, Gap, TableFacts, TimeFacts, facts};
 pub use spikes::{SPIKE, replace_spikes};
@@ -59,22 +61,25 @@ pub enum TimeBase {
     },
 }
 
-/// Which column is which channel.
+/// Which column, or which linear combination of columns, is which channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelMapping {
-    /// Name of the column, or its number counted from 1 in a file without header.
-    pub column: String,
+    /// What is read, at least one: the channel is `scale` · Σ factor · column + `offset`, in
+    /// `unit`.
+    pub terms: Vec<Term>,
     /// Name of the channel: that of the simulation's channel that it is compared with or drives.
     pub channel: String,
-    /// Unit of `scale` times the column's values.
+    /// Unit of `scale` times the columns' values, and of `offset`.
     pub unit: UserUnit,
-    /// Factor on the column's values.
+    /// Factor on the column's values, or on their sum.
     pub scale: f64,
+    /// What is added to them after that, in `unit`.
+    pub offset: f64,
     /// What it is for.
     pub role: Role,
     /// Known standard deviation of its noise, SI.
     pub noise: Option<f64>,
-    /// Readings of the column, as in the file, at or beyond which the sensor is at its end.
+    /// Readings of each column, as in the file, at or beyond which the sensor is at its end.
     pub saturation: Option<[f64; 2]>,
 }
 

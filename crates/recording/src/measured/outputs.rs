@@ -8,10 +8,12 @@ pub(super) fn read_twice(mapping: &Mapping) -> impl Iterator<Item = String> + '_
     let channels = mapping.channels.iter().enumerate();
     channels.filter_map(|(index, channel)| {
         let mut before = mapping.channels[..index].iter();
-        let first = before.find(|one| one.column == channel.column)?;
+        let first = before.find(|one| one.terms == channel.terms)?;
         Some(format!(
             "column \"{}\" is read twice, as {} and as {}: check the columns",
-            channel.column, first.channel, channel.channel
+            channel.source(),
+            first.channel,
+            channel.channel
         ))
     })
 }
@@ -27,7 +29,10 @@ pub(super) fn constant(channel: &ChannelMapping, series: &Series) -> bool {
 pub(super) fn left_out(channel: &ChannelMapping, series: &Series) -> String {
     format!(
         "{}: column \"{}\" is left out: every sample is {} {}, so that nothing was measured; check the column",
-        channel.channel, channel.column, series.values[0], channel.unit.unit
+        channel.channel,
+        channel.source(),
+        series.values[0],
+        channel.unit.unit
     )
 }
 
@@ -53,7 +58,7 @@ pub(super) fn refuse_all_constant(
     };
     Err(DataError::Channel {
         source_name: source.to_owned(),
-        column: channel.column.clone(),
+        column: channel.source(),
         channel: channel.channel.clone(),
         message: format!(
             "every sample is {} {}, so that nothing was measured{others}",

@@ -30,10 +30,11 @@ fn table(rows: usize) -> Table {
 
 fn channel(column: &str, channel: &str, unit: &str) -> ChannelMapping {
     ChannelMapping {
-        column: column.into(),
+        terms: vec![column.into()],
         channel: channel.into(),
         unit: UserUnit::parse(unit).unwrap(),
         scale: 1.0,
+        offset: 0.0,
         role: Role::Output,
         noise: None,
         saturation: None,
@@ -253,7 +254,7 @@ fn a_rate_replaces_a_column_of_times() {
 #[test]
 fn a_missing_column_names_the_nearest() {
     let mut mapping = mapping();
-    mapping.channels[0].column = "sin".into();
+    mapping.channels[0].terms = vec!["sin".into()];
     assert_eq!(
         refusal(&table(300), &mapping),
         "bench.csv: no column \"sin\"; did you mean \"sine\"?; the file has sine, ramp, t"

@@ -1,14 +1,16 @@
 //! The table `[stiffness]`: postures, loads and displacements.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_arm::FrameId;
+use truecut_recording::measured::Term;
 use truecut_recording::{Unit, UserUnit};
 
 use crate::check::Check;
-use crate::column::{check_scale, read_unit, read_unit_of};
+use crate::column::{check_scale, read_unit, read_unit_of, terms};
 use crate::fault::Fault;
 
 /// A table of load against deflection.
@@ -33,14 +35,16 @@ pub struct StiffnessSpec {
 /// One column that is used.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StiffnessColumn {
-    /// Its name, or its number from "1" on.
-    pub column: String,
+    /// The columns that make it, at least one: their sum by factors, times `scale`, plus `offset`.
+    pub terms: Vec<Term>,
     /// What it holds.
     pub quantity: StiffnessQuantity,
-    /// Unit of `scale` times the column's values.
+    /// Unit of `scale` times the columns' values, and of `offset`.
     pub unit: UserUnit,
-    /// Factor on the column's values.
+    /// Factor on the column's values, or on their sum.
     pub scale: f64,
+    /// What is added to them after that, in `unit`.
+    pub offset: f64,
     /// Known standard deviation of its noise, SI.
     pub noise: Option<f64>,
 }
@@ -110,15 +114,20 @@ pub(super) struct StiffnessTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ColumnTable {
-    /// Name of the column, or its number from "1" on in a file without header.
-    column: String,
+    /// Name of the column, or its number from "1" on in a file without header. Either this or sum
+    /// is needed.
+    column: Option<String>,
+    /// Columns with their factors, added up: `{ cell_1 = 49.2, cell_2 = -0.7 }`.
+    sum: Option<BTreeMap<String, f64>>,
     /// What it holds: joint1.command, …, force_x, moment_x, displacement_x, rotation_x, and so for
     /// y and z.
     channel: String,
-    /// Unit of the column, after `scale`.
+    /// Unit of the column, or of the sum, after `scale`.
     unit: String,
-    /// Factor on the column. Default: 1.
+    /// Factor on the column or the sum. Default: 1.
     scale: Option<f64>,
+    /// Added to it after `scale`, in `unit`. Default: 0.
+    offset: Option<f64>,
     /// Known standard deviation of the noise of a displacement or rotation, in `unit`.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "noise has a size; leave it out if it is not known"))]
     noise: Option<f64>,
@@ -189,6 +198,7 @@ impl ColumnTable {
     fn resolve(self, table: &str, check: &mut Check) -> Option<StiffnessColumn> {
         let scale = self.scale.unwrap_or(1.0);
         check_scale(table, "scale", scale, check);
+        let terms = terms(self.column, self.sum, table, check);
         let Some(quantity) = StiffnessQuantity::parse(&self.channel) else {
             let message = format!(
                 "is \"{}\", but must be joint1.command, joint2.command, …, or one of force_, moment_, \
@@ -208,9 +218,10 @@ impl ColumnTable {
             );
         }
         Some(StiffnessColumn {
-            column: self.column,
+            terms: terms?,
             quantity,
             scale,
+            offset: self.offset.unwrap_or(0.0),
             noise: self.noise.map(|noise| noise * unit.si_factor),
             unit,
         })

@@ -269,7 +269,7 @@ mod tests {
         let scenario = scenario.unwrap_or_else(|error| panic!("{error:?}\n{text}"));
         let mapping = &scenario.data.as_ref().unwrap().mapping;
         let channels: Vec<(&str, &str, &str)> = (mapping.channels.iter())
-            .map(|one| (&*one.column, &*one.channel, &*one.unit.symbol))
+            .map(|one| (&*one.terms[0].column, &*one.channel, &*one.unit.symbol))
             .collect();
         assert_eq!(
             channels,

@@ -60,7 +60,10 @@ pub fn write(
         }
         written.scenarios = Some([BEFORE, AFTER].map(|name| folder.join(name)));
     }
-    write_file(&files.path(REPORT), report::html(pair, answer).as_bytes())?;
+    write_file(
+        &files.path(REPORT),
+        report::html(scenario, pair, answer).as_bytes(),
+    )?;
     write_file(&files.path(ANSWER), text::json(&answer.changes)?.as_bytes())?;
     files.publish(&NAMES)?;
     Ok(written)

@@ -1,47 +1,50 @@
-//! What changed, as one HTML page with inline figures.
+//! What changed, as a page.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use truecut_discrepancy::between::{Answer, Between, Changes};
 use truecut_discrepancy::model::Model;
 use truecut_recording::{UserUnit, significant};
+use truecut_scenario::Scenario;
 use truecut_scenario::effect::EffectKind;
 
 use super::text;
-use crate::diagnose::report::{POINTS, STYLE, cells, smallest, table, unnamed};
+use crate::diagnose::report::{smallest, unnamed};
 use crate::diagnose::text::{estimate, name, odds};
 use crate::figure::{BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, largest, thinned};
+use crate::page::{self, MOST_POINTS, Page, cells, table};
 use crate::text::reading_unit;
 
 /// The page.
-pub fn html(pair: &Between, answer: &Answer) -> String {
+pub fn html(scenario: &Scenario, pair: &Between, answer: &Answer) -> String {
     let found = &answer.changes;
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                title { (found.scenario) ": what changed" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { (found.scenario) ": what changed" }
-                p { "First recording: " (found.first) br; "Second: " (found.second) br; (text::compared(found)) }
-                p.verdict { b { (text::headline(found)) } br; (found.reason) }
-                (changes(found))
-                (unnamed(found.curve.as_ref()))
-                (others(found))
-                (shared(found))
-                (errors(found))
-                h2 { (if pair.repeats() { "The recordings and their difference" } else { "The recordings and what is left" }) }
-                @for index in 0..pair.second.channels().len() {
-                    (PreEscaped(figure(pair, answer, index)))
-                }
-                (smallest("The smallest changes that these recordings would have shown", &found.smallest_seen))
-                (notes(pair, found))
-            }
-        }
+    let title = format!("{}: what changed", found.scenario);
+    let mut page = Page::new("diagnose", title);
+    page.text(html! {
+        p { "First recording: " (found.first) br; "Second: " (found.second) br; (text::compared(found)) }
+        p.verdict { b { (text::headline(found)) } br; (found.reason) }
+        (changes(found))
+        (unnamed(found.curve.as_ref()))
+        (others(found))
+        (shared(found))
+        (errors(found))
+    });
+    let heading = match pair.repeats() {
+        true => "The recordings and their difference",
+        false => "The recordings and what is left",
     };
-    page.into_string()
+    let channels = 0..pair.second.channels().len();
+    page.figures(heading, channels.map(|index| figure(pair, answer, index)));
+    page.text(smallest(
+        "The smallest changes that these recordings would have shown",
+        &found.smallest_seen,
+    ));
+    page.text(notes(pair, found));
+    let call = format!(
+        "truecut diagnose --between {} {}",
+        found.first, found.second
+    );
+    page.text(page::reproduce(&call, scenario));
+    page.html()
 }
 
 fn changes(found: &Changes) -> Markup {
@@ -131,7 +134,7 @@ fn notes(pair: &Between, found: &Changes) -> Markup {
 
 /// Both recordings of a channel, and what is explained: the difference where the motion repeats,
 /// else what is left of both.
-fn figure(pair: &Between, answer: &Answer, index: usize) -> String {
+fn figure(pair: &Between, answer: &Answer, index: usize) -> Figure {
     let spec = &pair.second.channels()[index];
     let both = [&pair.first, &pair.second].map(|trial| &trial.observation);
     let signals = both.map(|one| &one.outputs[index].values);
@@ -147,7 +150,7 @@ fn figure(pair: &Between, answer: &Answer, index: usize) -> String {
             });
             Layer::line(
                 label,
-                thinned(points.collect::<Vec<_>>().into_iter(), POINTS),
+                thinned(points.collect::<Vec<_>>().into_iter(), MOST_POINTS),
                 colour,
             )
         };
@@ -212,7 +215,7 @@ fn figure(pair: &Between, answer: &Answer, index: usize) -> String {
             layers,
         )
     };
-    let figure = Figure {
+    Figure {
         title: spec.description.clone(),
         panels: vec![
             panel(
@@ -225,6 +228,5 @@ fn figure(pair: &Between, answer: &Answer, index: usize) -> String {
         ],
         columns: 1,
         legend: Legend::Above,
-    };
-    figure.to_svg()
+    }
 }

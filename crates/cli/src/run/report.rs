@@ -1,0 +1,167 @@
+//! A run as a page: claims, results, assumptions, and its channels as curves.
+
+use maud::{Markup, html};
+use truecut_recording::{ChannelSpec, Outcome, Profile, Recording, Unit, UserUnit};
+use truecut_scenario::Scenario;
+use truecut_sim::run::Finished;
+
+use crate::figure::{Figure, Layer, Legend, Panel, largest, thinned};
+use crate::page::{self, MOST_POINTS, Page};
+use crate::text;
+
+/// The page.
+pub fn html(scenario: &Scenario, finished: &Finished) -> String {
+    let Finished {
+        recording, claims, ..
+    } = finished;
+    let mut page = Page::new("run", &scenario.name);
+    let held = claims.iter().filter(|claim| claim.holds).count();
+    let good = recording.outcome == Outcome::Completed && held == claims.len();
+    let simulated_s = recording.time_s.last().copied().unwrap_or(0.0);
+    let detail = format!(
+        "{}; {} simulated, step {}, {} rows",
+        match claims.len() {
+            0 => "no claims".to_owned(),
+            count => format!("{held} of {count} claims hold"),
+        },
+        text::seconds(simulated_s),
+        text::show(Unit::Second, finished.time_step_s),
+        recording.time_s.len()
+    );
+    page.verdict(good, &text::outcome(&recording.outcome), &detail);
+    page.text(page::claims("Claims", claims));
+    page.text(page::notes(&recording.header.notes));
+    page.text(page::scalars(&recording.scalars));
+    page.figures("Channels", channels(recording));
+    page.text(still(recording));
+    page.figures("Profiles", profiles(&recording.profiles));
+    page.text(page::reproduce("truecut run", scenario));
+    page.html()
+}
+
+/// Whether a column has more than one value.
+fn moves(column: &[f64]) -> bool {
+    column.windows(2).any(|pair| pair[0] != pair[1])
+}
+
+/// What channels of one kind have in common: their names without the numbers of joints and the
+/// letters of axes.
+fn kind(name: &str) -> String {
+    let axis = |name: &str| ["_x", "_y", "_z"].iter().any(|end| name.ends_with(end));
+    let end = if axis(name) {
+        name.len() - 2
+    } else {
+        name.len()
+    };
+    name[..end]
+        .chars()
+        .filter(|letter| !letter.is_ascii_digit())
+        .collect()
+}
+
+/// Panels of channels that belong together, a figure for each part of the cell.
+fn channels(recording: &Recording) -> Vec<Figure> {
+    let mut kinds: Vec<(String, Unit, Vec<usize>)> = Vec::new();
+    for (index, spec) in recording.header.channels.iter().enumerate() {
+        if !moves(&recording.columns[index]) {
+            continue;
+        }
+        let kind = kind(&spec.name);
+        let known = kinds
+            .iter_mut()
+            .find(|one| one.0 == kind && one.1 == spec.unit);
+        match known {
+            Some((_, _, members)) => members.push(index),
+            None => kinds.push((kind, spec.unit, vec![index])),
+        }
+    }
+    let mut figures: Vec<Figure> = Vec::new();
+    for (kind, unit, members) in &kinds {
+        let part = kind.split('.').next().unwrap_or(kind);
+        let panel = panel(recording, *unit, members);
+        match figures.iter_mut().find(|figure| figure.title == part) {
+            Some(figure) => figure.panels.push(panel),
+            None => figures.push(Figure {
+                title: part.to_owned(),
+                panels: vec![panel],
+                columns: 1,
+                legend: Legend::Above,
+            }),
+        }
+    }
+    figures
+}
+
+fn panel(recording: &Recording, unit: Unit, members: &[usize]) -> Panel {
+    let values = members.iter().flat_map(|index| &recording.columns[*index]);
+    let unit = text::reading_unit(unit, largest(values.copied()));
+    let specs: Vec<&ChannelSpec> = members
+        .iter()
+        .map(|index| &recording.header.channels[*index])
+        .collect();
+    let title = match &specs[..] {
+        [only] => only.description.clone(),
+        [first, ..] => format!("{} (and the like)", first.description),
+        [] => String::new(),
+    };
+    let layers = members.iter().enumerate().map(|(colour, index)| {
+        let values = recording.columns[*index].iter();
+        let values = values.map(|value| unit.from_si(*value));
+        let points = recording.time_s.iter().copied().zip(values);
+        let name = &recording.header.channels[*index].name;
+        Layer::line(name, thinned(points, MOST_POINTS), colour)
+    });
+    Panel::new(title, "time [s]", in_brackets(&unit), layers.collect())
+}
+
+/// `[mm]`; nothing without a unit.
+fn in_brackets(unit: &UserUnit) -> String {
+    match &unit.symbol[..] {
+        "1" => String::new(),
+        symbol => format!("[{symbol}]"),
+    }
+}
+
+/// Channels that have one value all along.
+fn still(recording: &Recording) -> Markup {
+    let channels = recording.header.channels.iter().zip(&recording.columns);
+    let rows = channels
+        .filter(|(_, column)| !moves(column))
+        .filter_map(|(spec, column)| {
+            let value = text::show(spec.unit, *column.first()?);
+            Some(html! { td { (spec.name) } td.n { (value) } td { (spec.description) } })
+        });
+    page::table(
+        "Channels that never change",
+        &["channel", "value", "what it is"],
+        rows,
+    )
+}
+
+fn profiles(profiles: &[Profile]) -> Vec<Figure> {
+    let figure = |profile: &Profile| {
+        let sizes = |values: &[f64]| largest(values.iter().copied());
+        let x_unit = text::reading_unit(profile.axis_unit, sizes(&profile.axis));
+        let unit = text::reading_unit(profile.unit, sizes(&profile.values));
+        let points = profile.axis.iter().zip(&profile.values);
+        let points = points.map(|(x, value)| (x_unit.from_si(*x), unit.from_si(*value)));
+        let x_label = format!("{} {}", profile.axis_name, in_brackets(&x_unit));
+        let layers = vec![Layer::line(&profile.name, points, 0)];
+        Figure {
+            title: profile.name.clone(),
+            panels: vec![Panel::new(
+                &profile.description,
+                x_label,
+                in_brackets(&unit),
+                layers,
+            )],
+            columns: 1,
+            legend: Legend::Above,
+        }
+    };
+    profiles
+        .iter()
+        .filter(|one| !one.axis.is_empty())
+        .map(figure)
+        .collect()
+}
