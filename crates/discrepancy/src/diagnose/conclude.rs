@@ -90,14 +90,14 @@ pub(super) fn conclude(
     let held_out::Kept { last, refuted } = held_out::kept(problem, &base, last, to_all);
     problem.report(Stage::Ceiling);
     // One needs hardly any simulations, the other many, some of them in sequence.
-    let (bound, described) = rayon::join(
+    let (mut bound, described) = rayon::join(
         || bound_on(problem, &base, &last, &outcome.signatures),
         || described(problem, &outcome, &last),
     );
     let mut diagnosis = described?;
     incidental::tell(incidental, &mut diagnosis);
     diagnosis.ceiling = bound.ceiling.clone();
-    let changing = changing::part(problem, &before, &last, &bound);
+    let changing = changing::part(problem, &before, &last, &mut bound);
     diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound).max(changing);
     let floors = changing::holding(floors(&problem.data.outputs), &bound);
     let excess = excess(problem, &before, &last, &floors);
@@ -112,7 +112,8 @@ pub(super) fn conclude(
     let (last, changes) = match curve {
         None => (last, bound.changes),
         Some(shown) => {
-            let bound = bound_on(problem, &base, &shown.fit, &outcome.signatures);
+            let mut bound = bound_on(problem, &base, &shown.fit, &outcome.signatures);
+            changing::part(problem, &before, &shown.fit, &mut bound);
             with_curve(problem, [&base, &last], &shown, &bound, &mut diagnosis)?;
             diagnosis.channels =
                 test_part::errors(problem, &before, &base, &shown.fit, &bound, &floors);

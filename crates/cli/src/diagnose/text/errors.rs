@@ -48,7 +48,9 @@ pub fn held_out(title: &str, rows: &[Vec<String>]) -> String {
 fn noise(errors: &ChannelErrors, number: &dyn Fn(f64) -> String) -> String {
     let (least, most) = (errors.noise_without_memory, errors.noise_floor);
     match errors.noise_source {
-        NoiseSource::Bound if least > 0.0 => format!("{} to {}", number(least), number(most)),
+        NoiseSource::Bound if least > 0.0 && least < most => {
+            format!("{} to {}", number(least), number(most))
+        }
         NoiseSource::Bound => format!("<= {}", number(most)),
         _ => number(most),
     }

@@ -35,7 +35,10 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
 /// The headline where the cause is unknown. What takes away no more than half of the discrepancy is
 /// not its cause.
 fn unknown(diagnosis: &Diagnosis, verdict: &str) -> String {
-    let names: Vec<String> = diagnosis.causes.iter().map(name).collect();
+    // Beside a curve that does as much, a cause may have the odds against it.
+    let causes = diagnosis.causes.iter();
+    let likely = causes.filter(|cause| cause.evidence.log10_odds > 0.0);
+    let names: Vec<String> = likely.map(name).collect();
     let likelier = diagnosis.alternatives.iter().map(names_of);
     let all: Vec<String> = std::iter::once(names.join(" and "))
         .chain(likelier)
