@@ -57,6 +57,13 @@ fn a_job_that_collides_is_told_with_pair_and_place_and_gets_no_program() {
     let output = desk.truecut(&["path", &file]);
     assert!(output.status.success(), "{}", told(&output));
     assert!(desk.path("out/job/CROWN.JBI").is_file());
+    // A path that is refused leaves no earlier program beside it.
+    write(&desk, POST);
+    let output = desk.truecut(&["path", &file]);
+    assert_eq!(output.status.code(), Some(CLAIM_FAILED));
+    assert!(!desk.path("out/job/CROWN.JBI").exists());
+    write(&desk, &short);
+    assert!(desk.truecut(&["path", &file]).status.success());
     write(&desk, &format!("clearance_mm = 25\n{short}"));
     let robot = hp20();
     let program = ["program", "out/job/CROWN.JBI", "--robot", &robot];
@@ -93,8 +100,6 @@ fn a_job_that_collides_is_told_with_pair_and_place_and_gets_no_program() {
     assert!(told(&output).contains(wanted), "{}", told(&output));
 }
 
-/// A clamp in the way of a rapid traverse is told with the line of the file; the cutter may touch
-/// the part where it is fed, and not in rapid traverse.
 /// The belt's wheel is at its size in a run, too: a post that it meets is told, and fails a claim.
 #[test]
 fn a_run_whose_wheel_meets_a_post_fails_the_claim_on_clearance() {
@@ -116,6 +121,8 @@ fn a_run_whose_wheel_meets_a_post_fails_the_claim_on_clearance() {
     assert!(told.contains("\"wheel\" from \"post\""), "{told}");
 }
 
+/// A clamp in the way of a rapid traverse is told with the line of the file; the cutter may touch
+/// the part where it is fed, and not in rapid traverse.
 #[test]
 fn a_cutter_that_meets_a_clamp_is_told_with_the_line_of_the_file() {
     let desk = Desk::new();

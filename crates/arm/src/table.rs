@@ -8,6 +8,7 @@ use crate::error::{ArmError, ArmErrorKind};
 use crate::ik_branches::BranchOptions;
 use crate::model::{FrameId, JointKind, Robot};
 use crate::opw::ArmBranch;
+use crate::turns::turned;
 
 /// Flange poses for postures given as CSV ([`Cells`]): one row per posture, joint coordinates in
 /// chain order, rad or m; a column whose heading ends in `_deg` or `_mm` is in that unit. Where the
@@ -266,14 +267,17 @@ pub struct IkRow {
     pub branch: Option<String>,
 }
 
-/// All postures for each pose of `frame`, revolute joints in (−π, π]; see [`IkSolver::branches`].
+/// All postures for each pose of `frame`, revolute joints in (−π, π], or where that is out of limits
+/// and a whole turn off it is not, there; see [`IkSolver::branches`].
 ///
 /// [`IkSolver::branches`]: crate::IkSolver::branches
 pub fn ik_rows(robot: &Robot, poses: &[Isometry3<f64>], frame: FrameId) -> Vec<IkRow> {
     let solver = robot.ik_solver(&BranchOptions::default());
     let mut rows = Vec::new();
     for (index, pose) in poses.iter().enumerate() {
-        for posture in solver.branches(pose, frame) {
+        let branches = solver.branches(pose, frame).into_iter();
+        let postures = branches.map(|posture| least_turned(robot, posture));
+        for posture in postures {
             let branch = solver.geometry().map(|geometry| {
                 let ArmBranch {
                     shoulder,
@@ -291,6 +295,21 @@ pub fn ik_rows(robot: &Robot, poses: &[Isometry3<f64>], frame: FrameId) -> Vec<I
         }
     }
     rows
+}
+
+/// The posture, or the one within limits that is fewest whole turns off it, if it is beyond them and
+/// there is one: a joint from −220 to 64 deg reaches by a turn what it does not beside 180 deg.
+fn least_turned(robot: &Robot, posture: Vec<f64>) -> Vec<f64> {
+    if robot.check_posture(&posture).is_ok() {
+        return posture;
+    }
+    let off = |other: &Vec<f64>| -> f64 {
+        let pairs = other.iter().zip(&posture);
+        pairs.map(|(a, b)| (a - b).abs()).sum()
+    };
+    let within = turned(&robot.chain.joints, &posture).into_iter();
+    let nearest = within.min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.unwrap_or(posture)
 }
 
 /// The rows as CSV with a heading.

@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use truecut_arm::report::{IkRow, ik_rows};
 use truecut_arm::{ArmBranch, BranchOptions, Elbow, FrameId, Robot, Shoulder, Wrist};
 
 fn robot() -> Robot {
@@ -77,4 +78,44 @@ fn verify_hp20_reach() {
         .expect("ortho-parallel");
     let reach_m = geometry.a1_m + geometry.c2_m + geometry.a2_m.hypot(geometry.c3_m);
     assert!((reach_m - 1.717).abs() <= 0.5e-3, "{reach_m}");
+}
+
+/// Axes whose limits pass 180 degrees: a posture beyond it is among the answers for its own pose.
+#[test]
+fn verify_postures_a_whole_turn_away_are_found() {
+    let mut robot = robot();
+    for (joint, [lower, upper]) in [(0, [100.0_f64, 440.0]), (3, [-420.0, -60.0])] {
+        let limits = robot.chain.joints[joint].limits.as_mut().expect("limits");
+        (limits.lower, limits.upper) = (lower.to_radians(), upper.to_radians());
+    }
+    let mut state = 30_u64;
+    let mut share = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for _ in 0..40 {
+        let posture: Vec<f64> = (robot.chain.joints.iter())
+            .map(|joint| {
+                let limits = joint.limits.expect("limits");
+                limits.lower + (limits.upper - limits.lower) * (0.05 + 0.9 * share())
+            })
+            .collect();
+        let pose = robot.world_from_frame(&posture, FrameId::Tool);
+        let rows = ik_rows(&robot, &[pose], FrameId::Tool);
+        let apart = |row: &IkRow| {
+            let turns = row.posture.iter().zip(&posture).map(|(a, b)| {
+                let turn = (a - b).rem_euclid(std::f64::consts::TAU);
+                turn.min(std::f64::consts::TAU - turn)
+            });
+            turns.fold(0.0, f64::max)
+        };
+        let own = rows.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let own = own.expect("within reach");
+        assert!(
+            apart(own) < 1e-6 && own.within_limits,
+            "{posture:?} {own:?}"
+        );
+    }
 }

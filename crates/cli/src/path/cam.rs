@@ -277,13 +277,8 @@ fn write(
     )?;
     record(planned, &recording)?;
     let mut written = vec![points, recording];
-    // What collides gets no program.
     let holds = planned.clearance.is_none_or(Checked::holds);
-    for one in files.into_iter().filter(|_| holds) {
-        let file = folder.join(one.name);
-        write_file(&file, one.text.as_bytes())?;
-        written.push(file);
-    }
+    written.extend(super::files::programs(&folder, files, holds)?);
     Ok(written)
 }
 

@@ -24,11 +24,31 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
     let rrd = folder.join("path.rrd");
     view::show(answer, &written, &rrd)?;
     written.extend([rrd, html]);
-    // What collides gets no program.
-    for one in program.into_iter().filter(|_| answer.holds()) {
+    written.extend(programs(&folder, program, answer.holds())?);
+    Ok(written)
+}
+
+/// Writes a program's files. What collides gets none, and those of an earlier call go: beside the
+/// path of this one they would be taken for its own.
+pub fn programs(
+    folder: &Path,
+    files: Vec<ProgramFile>,
+    holds: bool,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut written = Vec::new();
+    for one in files {
         let file = folder.join(one.name);
-        write_file(&file, one.text.as_bytes())?;
-        written.push(file);
+        if holds {
+            write_file(&file, one.text.as_bytes())?;
+            written.push(file);
+            continue;
+        }
+        match std::fs::remove_file(&file) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Failure::at(&file, error));
+            }
+            _ => {}
+        }
     }
     Ok(written)
 }
