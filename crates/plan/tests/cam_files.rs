@@ -301,6 +301,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ),
     ("column_twice.csv", 1, &["the column is x_mm", "given once"]),
     ("two_units.csv", 1, &["units of the place is 2"]),
+    ("half_in_two_units.csv", 1, &["units of the place is 2"]),
     (
         "feed_of_light.csv",
         3,

@@ -99,11 +99,11 @@ fn check_heads(heads: &CellRow) -> Result<(), ProgramErrorKind> {
     )
 }
 
-/// Under how many of its names a quantity is given.
+/// Under how many of its names a quantity is given, one of its numbers at least.
 fn given<const N: usize>(heads: &CellRow, names: Names<N>) -> usize {
     let is_head = |name: &&str| heads.cells.iter().any(|head| head == name);
-    let all = |(names, _): &&([&'static str; N], f64)| names.iter().all(is_head);
-    names.iter().filter(all).count()
+    let any = |(names, _): &&([&'static str; N], f64)| names.iter().any(is_head);
+    names.iter().filter(any).count()
 }
 
 /// How the tool stands, as a file gives it.
