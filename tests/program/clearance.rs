@@ -115,7 +115,7 @@ fn a_run_whose_wheel_meets_a_post_fails_the_claim_on_clearance() {
     let (head, _) = text.split_once("[[claim]]").unwrap();
     let claim = "[[claim]]\nname = \"clear\"\nscalar = \"cell.clearance\"\nmin = 3\nunit = \"mm\"\nreason = \"asked\"\n";
     std::fs::write(desk.path("belt.toml"), format!("{head}{claim}")).unwrap();
-    let output = desk.truecut(&["run", "belt.toml", "--no-rrd", "--set", "run.duration_s=1"]);
+    let output = desk.truecut(&["run", "belt.toml", "--no-rrd", "--set", "run.duration_s=6"]);
     let told = told(&output);
     assert_eq!(output.status.code(), Some(CLAIM_FAILED), "{told}");
     assert!(told.contains("\"wheel\" from \"post\""), "{told}");

@@ -51,12 +51,7 @@ fn gather(value: &serde_json::Value, found: &mut Vec<f64>) {
         serde_json::Value::Number(number) => found.extend(number.as_f64()),
         serde_json::Value::Array(list) => list.iter().for_each(|one| gather(one, found)),
         serde_json::Value::Object(map) => {
-            // Chances that tell nothing, of signals that nothing follows, are not compared.
-            let tells = |(key, one): &(&String, &serde_json::Value)| {
-                *key != "p_value" || one.as_f64().is_none_or(|p| p < 0.05)
-            };
-            let told = map.iter().filter(tells);
-            told.for_each(|(_, one)| gather(one, found));
+            map.values().for_each(|one| gather(one, found));
         }
         _ => {}
     }

@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::derivatives::difference;
 use super::fit::Fit;
-use super::noise::{LinearFit, Prior, add_column, dot, fit_linear, solve};
+use super::noise::{LinearFit, Noise, Prior, add_column, dot, fit_linear, solve};
 use super::problem::{Found, Problem};
 use super::signature::{Signature, with};
 use crate::model::Columns;
@@ -16,7 +16,8 @@ pub(super) struct Ranked {
     pub signature: Signature,
     /// Values to start a fit from.
     pub start: Vec<f64>,
-    /// The same with other shape parameters, where these promise half as much; at most two.
+    /// The same with other shape parameters, where these promise half as much, at most two; and a
+    /// size as its signature was taken.
     pub others: Vec<Vec<f64>>,
     /// Fall of minus twice the log-likelihood.
     pub gain: f64,
@@ -129,10 +130,36 @@ impl<'a> Extension<'a> {
         let others = own
             .iter()
             .filter(|r| r.gain > 0.5 * first.gain && shape(r) != shape(first));
+        let as_taken = self.as_taken(&own, first);
+        let others = others.take(2).map(|r| r.start.clone());
         Some(Ranked {
-            others: others.take(2).map(|r| r.start.clone()).collect(),
+            others: as_taken.into_iter().chain(others).collect(),
             ..first.clone()
         })
+    }
+
+    /// The size of a signature as it was taken, where that itself explains more than the first is
+    /// to gain: a change that is not linear, as by play, may be larger or smaller than needed at
+    /// every part of it, and a fit from there ends at another optimum. Of kinds that say where to
+    /// start.
+    fn as_taken(&self, own: &[&Ranked], first: &Ranked) -> Option<Vec<f64>> {
+        let (problem, train) = (self.problem, &self.problem.split.train);
+        let white =
+            |residual: &Columns| Noise::white(residual, train, &problem.floor).objective(train);
+        let infos = problem.infos(first.candidate());
+        let left = |ranked: &&&Ranked| -> Option<f64> {
+            let signature = &ranked.signature;
+            let (&[size], [column]) = (&*signature.sizes, &*signature.columns) else {
+                return None;
+            };
+            let says = !infos[size].starts.is_empty();
+            says.then(|| white(&difference(&self.base.residual, column, 1.0)))
+        };
+        let taken = own.iter().filter_map(|one| Some((left(&one)?, *one)));
+        let (left, best) = taken.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let gain = white(&self.base.residual) - left;
+        let is_more = gain > first.gain && best.signature.values != first.start;
+        is_more.then(|| best.signature.values.clone())
     }
 
     /// A signature's gain, and the sizes at which it gains that.
