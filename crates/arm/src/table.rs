@@ -267,8 +267,8 @@ pub struct IkRow {
     pub branch: Option<String>,
 }
 
-/// All postures for each pose of `frame`, revolute joints in (−π, π], or where that is out of limits
-/// and a whole turn off it is not, there; see [`IkSolver::branches`].
+/// All postures for each pose of `frame`, revolute joints in (−π, π], or where that is out of
+/// limits and a whole turn off it is not, there; see [`IkSolver::branches`].
 ///
 /// [`IkSolver::branches`]: crate::IkSolver::branches
 pub fn ik_rows(robot: &Robot, poses: &[Isometry3<f64>], frame: FrameId) -> Vec<IkRow> {
@@ -297,8 +297,8 @@ pub fn ik_rows(robot: &Robot, poses: &[Isometry3<f64>], frame: FrameId) -> Vec<I
     rows
 }
 
-/// The posture, or the one within limits that is fewest whole turns off it, if it is beyond them and
-/// there is one: a joint from −220 to 64 deg reaches by a turn what it does not beside 180 deg.
+/// The posture, or the one within limits that is fewest whole turns off it, if it is beyond them
+/// and there is one: a joint from −220 to 64 deg reaches by a turn what it does not beside 180 deg.
 fn least_turned(robot: &Robot, posture: Vec<f64>) -> Vec<f64> {
     if robot.check_posture(&posture).is_ok() {
         return posture;

@@ -46,8 +46,8 @@ fn end_slope(times: &[f64], values: &[f64]) -> f64 {
     slope
 }
 
-/// Value at the share `part` of an interval of `length` of the cubic with these values and slopes at
-/// its ends.
+/// Value at the share `part` of an interval of `length` of the cubic with these values and slopes
+/// at its ends.
 pub(crate) fn between([from, to]: [f64; 2], slopes: [f64; 2], length: f64, part: f64) -> f64 {
     let [first, last] = slopes.map(|slope| slope * length - (to - from));
     let rest = 1.0 - part;
