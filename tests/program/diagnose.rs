@@ -58,8 +58,8 @@ fn diagnose_names_what_the_example_hides() {
     assert_eq!(cause.target.as_deref(), Some("joint2"));
     let gap = &cause.parameters["gap_rad"];
     assert!((gap.value / PLAY_RAD - 1.0).abs() < 0.02, "{gap:?}");
-    // One set in twenty lies outside its 95 % interval, this one by a hair; how often intervals hold
-    // the truth is for the benches. Three standard errors hold 997 of 1000.
+    // One set in twenty lies outside its 95 % interval, this one by a hair; how often intervals
+    // hold the truth is for the benches. Three standard errors hold 997 of 1000.
     let error = (gap.high.unwrap() - gap.low.unwrap()) / (2.0 * 1.96);
     assert!((gap.value - PLAY_RAD).abs() < 3.0 * error, "{gap:?}");
     for (name, errors) in &found.channels {

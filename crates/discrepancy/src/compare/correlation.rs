@@ -100,7 +100,7 @@ fn p_of_largest(t: f64, freedom: f64, correlations: DMatrix<f64>) -> f64 {
     if tests <= 3.0 {
         // Few patterns make up all delays, as for a sine: the largest is at most their norm, and
         // close to it.
-        let patterns = (tests - ROUNDING).ceil().max(1.0);
+        let patterns = tests.ceil();
         return f_tail(t * t / patterns, patterns, freedom);
     }
     family_wise((2.0 * t_tail(t, freedom)).min(1.0), tests)
@@ -117,17 +117,12 @@ fn lags(samples: usize) -> Vec<isize> {
         .collect()
 }
 
-/// Eigenvalues that are whole numbers, as those of a sine's delays, are so to rounding; what rounding
-/// makes of them must not decide how many tests there are.
-const ROUNDING: f64 = 1e-6;
-
 /// Effective number of independent tests (`li2005`, from the eigenvalues of their correlations).
 fn independent_tests(correlations: DMatrix<f64>) -> f64 {
     let eigenvalues = correlations.symmetric_eigen().eigenvalues;
     let part = |value: &f64| {
         let value = value.abs();
-        let whole = (value + ROUNDING).floor();
-        f64::from(u8::from(whole >= 1.0)) + (value - whole).max(0.0)
+        f64::from(u8::from(value >= 1.0)) + value - value.floor()
     };
     eigenvalues.iter().map(part).sum()
 }
