@@ -82,14 +82,19 @@ pub(crate) fn terms(
             None
         }
         (None, None) => {
-            let message = format!("missing key `column` in [{table}]: it reads a column");
-            let path = format!("{table}.column");
-            let fault = Fault::key(&path, message, "neither column nor sum");
-            check
-                .refuse(fault.with_help("name the column, or several with their factors by `sum`"));
+            let why = ["it reads a column", "neither column nor sum"];
+            let help = "name the column, or several with their factors by `sum`";
+            missing(table, "column", why, help, check);
             None
         }
     }
+}
+
+/// Refuses a table in which neither a key nor what may stand in its place is given.
+fn missing(table: &str, key: &str, [need, neither]: [&str; 2], help: &str, check: &mut Check) {
+    let message = format!("missing key `{key}` in [{table}]: {need}");
+    let fault = Fault::key(&format!("{table}.{key}"), message, neither);
+    check.refuse(fault.with_help(help));
 }
 
 /// The times of the rows by the keys `time`, `time_unit` and `rate_hz` of a table; `None` after
@@ -118,10 +123,9 @@ pub(crate) fn time_base(
             None
         }
         (None, None) => {
-            let message = format!("missing key `time` in [{table}]: the samples need times");
-            let path = format!("{table}.time");
-            let fault = Fault::key(&path, message, "neither time nor rate_hz");
-            check.refuse(fault.with_help("name the column of the times, or give rate_hz"));
+            let why = ["the samples need times", "neither time nor rate_hz"];
+            let help = "name the column of the times, or give rate_hz";
+            missing(table, "time", why, help, check);
             None
         }
     }

@@ -19,7 +19,7 @@ use super::curve::Shown;
 use super::doubts::{at_bound, doubts};
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
-use super::floor::{NoiseSource, floors};
+use super::floor::NoiseSource;
 use super::noise::Noise;
 use super::problem::{Point, Problem};
 use super::search::Outcome;
@@ -42,9 +42,8 @@ pub(super) fn not_excited(problem: &Problem, before: Columns, missing: Vec<Strin
     diagnosis.missing = missing;
     let residual = problem.data.residual(&before);
     let errors = rms(&residual, &problem.split.test);
-    let floors = floors(&problem.data.outputs);
     diagnosis.channels =
-        test_part::channel_errors(problem, &floors, &errors, &errors, &errors, &errors);
+        test_part::channel_errors(problem, &problem.known, &errors, &errors, &errors, &errors);
     Answer {
         diagnosis,
         effects: Vec::new(),
@@ -97,9 +96,9 @@ pub(super) fn conclude(
     let mut diagnosis = described?;
     incidental::tell(incidental, &mut diagnosis);
     diagnosis.ceiling = bound.ceiling.clone();
-    let changing = changing::part(problem, &before, &last, &mut bound);
+    let changing = changing::keep_large(problem, &before, &last, &mut bound);
     diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound).max(changing);
-    let floors = changing::holding(floors(&problem.data.outputs), &bound);
+    let floors = changing::holding(&problem.known, &bound);
     let excess = excess(problem, &before, &last, &floors);
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
@@ -113,7 +112,7 @@ pub(super) fn conclude(
         None => (last, bound.changes),
         Some(shown) => {
             let mut bound = bound_on(problem, &base, &shown.fit, &outcome.signatures);
-            changing::part(problem, &before, &shown.fit, &mut bound);
+            changing::keep_large(problem, &before, &shown.fit, &mut bound);
             with_curve(problem, [&base, &last], &shown, &bound, &mut diagnosis)?;
             diagnosis.channels =
                 test_part::errors(problem, &before, &base, &shown.fit, &bound, &floors);

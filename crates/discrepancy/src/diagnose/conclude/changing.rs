@@ -14,20 +14,27 @@ use crate::stats::ratio;
 
 /// The floors that hold: where a channel follows time itself, differences between periods are no
 /// noise, and what they say of it is not known.
-pub(super) fn holding(floors: Vec<Option<Floor>>, bound: &Bound) -> Vec<Option<Floor>> {
-    let channels = floors.into_iter().zip(&bound.in_time);
-    channels
-        .map(|(floor, in_time)| {
-            floor.filter(|floor| !in_time || floor.source != NoiseSource::Repetition)
-        })
-        .collect()
+pub(super) fn holding(known: &[Option<Floor>], bound: &Bound) -> Vec<Option<Floor>> {
+    let channels = known.iter().zip(&bound.in_time);
+    let holds = |(floor, in_time): (&Option<Floor>, &bool)| {
+        let floor = floor.as_ref();
+        floor
+            .filter(|floor| !in_time || floor.source != NoiseSource::Repetition)
+            .cloned()
+    };
+    channels.map(holds).collect()
 }
 
-/// Part of the discrepancy that changes over time, by its size, in the channel where it is most. An
-/// autoregression follows what changes slowly, so that whitened it is next to nothing. Changes of
-/// channels in which they are no larger than what causes may leave are taken away: there a law that
-/// is not quite a named one's, or a filter of the sensor, passes for a change as well.
-pub(super) fn part(problem: &Problem, before: &Columns, last: &Fit, bound: &mut Bound) -> f64 {
+/// Takes changes of channels away in which they are no larger than what causes may leave: there a
+/// law that is not quite a named one's, or a filter of the sensor, passes for a change as well. The
+/// part of the discrepancy that changes, by its size, in the channel where it is most: an
+/// autoregression follows what changes slowly, so that whitened it is next to nothing.
+pub(super) fn keep_large(
+    problem: &Problem,
+    before: &Columns,
+    last: &Fit,
+    bound: &mut Bound,
+) -> f64 {
     let rows = &problem.split.development;
     let nominal = rms(&problem.data.residual(before), rows);
     let [with, without] = [&last.residual, &bound.left].map(|residual| rms(residual, rows));

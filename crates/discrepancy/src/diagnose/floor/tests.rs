@@ -44,20 +44,27 @@ fn verify_noise_is_within_its_own_floor() {
     }
 }
 
+/// Floors and noise of all colours, fifty seeds each from `first` on.
+fn each_drawn(first: u64, mut check: impl FnMut(u64, &Floor, &[f64], &str)) {
+    for colour in COLOURS {
+        for seed in 0..50 {
+            let (floor, own) = drawn(colour, first + seed, 5, 40);
+            check(seed, &floor, &own, &format!("{colour:?} {seed}"));
+        }
+    }
+}
+
 #[test]
 fn verify_a_pattern_is_beyond_the_floor() {
     let rows: Vec<usize> = (10..600).collect();
-    for colour in COLOURS {
-        for seed in 0..50 {
-            let (floor, own) = drawn(colour, 50_000 + seed, 5, 40);
-            let size = 4.0 * deviation(&own);
-            let place = |t: usize| (0.07 * t as f64).sin() + (0.03 * t as f64).cos();
-            let rippled: Vec<f64> = (own.iter().enumerate())
-                .map(|(t, n)| n + size * (9.0 * place(t) + seed as f64).sin())
-                .collect();
-            assert!(floor.beyond(&rippled, &rows).is_some(), "{colour:?} {seed}");
-        }
-    }
+    each_drawn(50_000, |seed, floor, own, which| {
+        let size = 4.0 * deviation(own);
+        let place = |t: usize| (0.07 * t as f64).sin() + (0.03 * t as f64).cos();
+        let rippled: Vec<f64> = (own.iter().enumerate())
+            .map(|(t, n)| n + size * (9.0 * place(t) + seed as f64).sin())
+            .collect();
+        assert!(floor.beyond(&rippled, &rows).is_some(), "{which}");
+    });
 }
 
 #[test]
@@ -82,15 +89,15 @@ fn a_sensor_at_rest_has_the_noise_of_its_steps() {
 #[test]
 fn verify_a_constant_is_beyond_the_floor_and_told_in_size() {
     let rows: Vec<usize> = (10..600).collect();
-    for colour in COLOURS {
-        for seed in 0..50 {
-            let (floor, own) = drawn(colour, 70_000 + seed, 5, 40);
-            let away = 12.0 * deviation(&own).max(floor.rms);
-            let moved: Vec<f64> = own.iter().map(|n| n + away).collect();
-            let beyond = floor.beyond(&moved, &rows).expect("a constant");
-            let share = beyond.variance / away.powi(2);
-            assert!((0.6..1.5).contains(&share), "{colour:?} {seed}: {share}");
-            assert!(floor.loss(&moved, &rows) > floor.loss(&own, &rows) + 16.0);
-        }
-    }
+    each_drawn(70_000, |_, floor, own, which| {
+        let away = 12.0 * deviation(own).max(floor.rms);
+        let moved: Vec<f64> = own.iter().map(|n| n + away).collect();
+        let beyond = floor.beyond(&moved, &rows).expect("a constant");
+        let share = beyond.variance / away.powi(2);
+        assert!((0.6..1.5).contains(&share), "{which}: {share}");
+        assert!(
+            floor.loss(&moved, &rows) > floor.loss(own, &rows) + 16.0,
+            "{which}"
+        );
+    });
 }
