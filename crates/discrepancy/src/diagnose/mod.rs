@@ -254,7 +254,7 @@ pub(crate) fn explain(
     if let Some(told) = set_up_doubt(model, data, &answer.after) {
         // Causes in a set-up that is not the machine's are none.
         answer.unname(problem.start().nominal);
-        answer.diagnosis.reason = format!("{told} {}", answer.diagnosis.reason);
+        answer.diagnosis.reason = format!("{told} Until then no cause is named.");
         answer.diagnosis.set_up = Some(told);
     }
     answer.diagnosis.work = Work {
