@@ -26,7 +26,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 REQUIREMENTS = ROOT / "tests" / "requirements.txt"
 ENVIRONMENT = ROOT / ".venv"
-PYTHON_FOLDERS = ("reference", "crosscheck", "hidden_effects", "random_bench", "logs", "reports", "wheel", "docs")
+PYTHON_FOLDERS = ("reference", "crosscheck", "hidden_effects", "random_bench", "logs", "reports", "cluster", "wheel", "docs")
 PYTHON_TESTS = tuple(ROOT / "tests" / folder for folder in PYTHON_FOLDERS)
 OLDEST_PYTHON = (3, 10)
 

@@ -6,6 +6,7 @@ mod part;
 mod robot;
 mod runs;
 mod stability;
+mod sweep;
 
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,7 @@ pub use runs::{
     FitArguments, RunArguments,
 };
 pub use stability::{LobesArguments, PostureArguments};
+pub use sweep::{SweepArguments, Workers};
 
 /// Physics-backed simulation of robotic machining.
 ///
@@ -72,6 +74,8 @@ fn signed(command: clap::Command) -> clap::Command {
 pub enum Command {
     /// Run scenarios, judge their claims and write recordings
     Run(RunArguments),
+    /// Run a sweep whole, some of its rows as a part, put parts together, or run it on a cluster
+    Sweep(SweepArguments),
     /// Run every scenario found, judge the claims, print one table and write JUnit XML
     Check(CheckArguments),
     /// Open a recording in the viewer, or list what it holds

@@ -55,6 +55,7 @@ fn main() -> ExitCode {
 fn dispatch(command: Command) -> Result<ExitCode, Failure> {
     let status = match command {
         Command::Run(arguments) => return run::run(&arguments),
+        Command::Sweep(arguments) => return sweep::sweep(&arguments),
         Command::Check(arguments) => return check::check(&arguments),
         Command::View(arguments) => view::view(&arguments),
         Command::ExportMjcf(arguments) => mjcf::export(&arguments),

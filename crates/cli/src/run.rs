@@ -5,6 +5,7 @@ mod report;
 use std::process::ExitCode;
 
 use rayon::prelude::*;
+use truecut::Engine;
 use truecut::data;
 use truecut::outputs::{Outputs, PART, PART_ERROR, size};
 use truecut_recording::{Outcome, SinkError, Unit};
@@ -54,7 +55,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Failure> {
             crate::print(&not_run(scenario))?;
             continue;
         }
-        let status = sweep::run_and_write(scenario, &arguments.out, signals.stop())?;
+        let status =
+            sweep::run_and_write(scenario, Engine::Rapier, &arguments.out, signals.stop())?;
         all = all.and(status);
     }
     Ok(signals.exit_code().map_or(all.into(), ExitCode::from))

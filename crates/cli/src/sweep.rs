@@ -1,10 +1,14 @@
 //! Sweeps: run with progress, printed as a table, drawn as curves.
 
+mod cluster;
+mod command;
+mod drawn;
+
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use truecut::SweepOutputs;
 use truecut::outputs::{SWEEP_OUTCOME, write_file};
+use truecut::{Engine, SweepOutputs};
 use truecut_recording::{ClaimResult, short_number, significant};
 use truecut_scenario::Scenario;
 use truecut_sim::run::RunError;
@@ -18,14 +22,17 @@ use crate::page::{self, Page};
 use crate::progress::Progress;
 use crate::text::{self, Align};
 
+pub use command::sweep;
+
 /// Runs a sweep with progress, prints its table and writes `sweep.parquet` and `sweep.svg`; one
 /// that is stopped leaves the rows that are done.
 pub fn run_and_write(
     scenario: &Scenario,
+    engine: Engine,
     out: &Path,
     stop: &AtomicBool,
 ) -> Result<ExitStatus, Failure> {
-    let outputs = SweepOutputs::prepare(out, scenario)?;
+    let outputs = SweepOutputs::prepare(out, scenario, engine)?;
     let kept = outputs.kept();
     let swept = Progress::of_one("sweeping", |progress| outputs.run(progress, Some(stop)));
     let table = match swept {
@@ -38,25 +45,42 @@ pub fn run_and_write(
         }
         other => other?,
     };
-    let claims = table.claims(scenario);
-    let svg = outputs.finish(&table)?.with_extension("svg");
-    let figure = Figure {
-        title: scenario.name.clone(),
-        panels: panels(&table),
-        columns: 1,
-        legend: Legend::Right,
-    };
-    write_file(&svg, figure.to_svg().as_bytes())?;
-    let page = page(scenario, &table, &claims, figure);
-    write_file(&svg.with_extension("html"), page.html().as_bytes())?;
+    let written = outputs.finish(&table)?;
     if kept > 0 {
         let count = table.rows.len();
         crate::print(&format!(
             "{kept} of {count} rows were kept from a sweep that was stopped\n"
         ))?;
     }
-    crate::print(&printed(scenario, &table, &claims, &svg))?;
-    Ok(ExitStatus::of_sweep(&table, &claims))
+    present(scenario, &table, &written)
+}
+
+/// Draws a sweep's table beside its file, and prints it.
+fn present(scenario: &Scenario, table: &SweepTable, written: &Path) -> Result<ExitStatus, Failure> {
+    let claims = table.claims(scenario);
+    let svg = written.with_extension("svg");
+    let figure = match is_sampled(scenario) {
+        true => drawn::figure(&scenario.name, table),
+        false => Figure {
+            title: scenario.name.clone(),
+            panels: panels(table),
+            columns: 1,
+            legend: Legend::Right,
+        },
+    };
+    write_file(&svg, figure.to_svg().as_bytes())?;
+    let page = page(scenario, table, &claims, figure);
+    write_file(&svg.with_extension("html"), page.html().as_bytes())?;
+    crate::print(&printed(scenario, table, &claims, &svg))?;
+    Ok(ExitStatus::of_sweep(table, &claims))
+}
+
+/// Whether rows are drawn.
+fn is_sampled(scenario: &Scenario) -> bool {
+    scenario
+        .sweep
+        .as_ref()
+        .is_some_and(|sweep| sweep.is_sampled)
 }
 
 /// The sweep as a page.
@@ -73,6 +97,11 @@ fn page(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], figure:
     let notes = scenario.notes().into_iter();
     let notes = notes.chain(estimates(scenario, &Robots::new()).ok().flatten());
     page.text(page::notes(&notes.collect::<Vec<_>>()));
+    if is_sampled(scenario) {
+        let rows = drawn::spread(table);
+        let rows = rows.iter().map(|row| page::cells(row));
+        page.text(page::table("Spread of the results", &drawn::HEAD, rows));
+    }
     page.figures("Results", [figure]);
     let head = table.columns.iter().map(heading);
     let head: Vec<String> = head.chain([SWEEP_OUTCOME.to_owned()]).collect();
@@ -95,28 +124,21 @@ fn page(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], figure:
 /// Most rows of a table that a page lists: `sweep.csv` has all.
 const MOST_ROWS: usize = 1000;
 
+/// Most rows of a sweep that draws them which are printed: how they spread says more.
+const MOST_DRAWN: usize = 40;
+
 fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg: &Path) -> String {
-    let headings = table.columns.iter().map(heading);
-    let head = headings.chain([SWEEP_OUTCOME.to_owned()]).collect();
-    let rows = table.rows.iter().enumerate().map(|(index, row)| {
-        let cells = table.columns.iter().zip(row);
-        let cells = cells.map(|(column, value)| cell(column, *value));
-        let outcome = match &table.faults[index] {
-            Some(fault) => format!("✗ {}", text::ended(fault)),
-            None => "completed".to_owned(),
-        };
-        cells.chain([outcome]).collect()
-    });
-    let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
-    let mut aligns = vec![Align::Right; table.columns.len()];
-    aligns.push(Align::Left);
+    let shown = match is_sampled(scenario) {
+        true if table.rows.len() > MOST_DRAWN => drawn::printed(table),
+        true => format!("{}\n{}", listed(table), drawn::printed(table)),
+        false => listed(table),
+    };
     let mut text = format!(
-        "{}\n  {}\n{}{}\n{}",
+        "{}\n  {}\n{}{}\n{shown}",
         scenario.name,
         text::count_rows(table),
         text::notes(scenario.notes()),
         text::notes(estimates(scenario, &Robots::new()).ok().flatten()),
-        text::table(&aligns, &rows)
     );
     for row in 0..table.rows.len() {
         if let Some(why) = table.fault(row) {
@@ -133,10 +155,29 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
         text.push_str(&format!("\n{}", text::claims(claims)));
     }
     text.push_str(&format!(
-        "\n  {}   (beside it: sweep.html, sweep.parquet)\n\n",
+        "\n  {}   (beside it: sweep.html, sweep.csv, sweep.parquet)\n\n",
         svg.display()
     ));
     text
+}
+
+/// All rows.
+fn listed(table: &SweepTable) -> String {
+    let headings = table.columns.iter().map(heading);
+    let head = headings.chain([SWEEP_OUTCOME.to_owned()]).collect();
+    let rows = table.rows.iter().enumerate().map(|(index, row)| {
+        let cells = table.columns.iter().zip(row);
+        let cells = cells.map(|(column, value)| cell(column, *value));
+        let outcome = match &table.faults[index] {
+            Some(fault) => format!("✗ {}", text::ended(fault)),
+            None => "completed".to_owned(),
+        };
+        cells.chain([outcome]).collect()
+    });
+    let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
+    let mut aligns = vec![Align::Right; table.columns.len()];
+    aligns.push(Align::Left);
+    text::table(&aligns, &rows)
 }
 
 fn cell(column: &Column, value: f64) -> String {

@@ -80,8 +80,10 @@ mod structure;
 mod suggest;
 mod sweep;
 mod sweep_check;
+mod sweep_sample;
 mod sweep_spec;
 mod uncertain;
+mod uncertain_law;
 mod units;
 mod windows;
 
@@ -115,4 +117,5 @@ pub use scenario::Scenario;
 pub use sweep::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};
 pub use truecut_plan::motion::straight::{PathStart, StraightPath, TurnKnot};
 pub use uncertain::UncertainSpec;
+pub use uncertain_law::UncertainLaw;
 pub use units::{key_unit, si_symbol};

@@ -329,7 +329,7 @@ impl ScenarioTable {
         let claims: Vec<ClaimSpec> = claims
             .filter_map(|(index, claim)| claim.resolve(&format!("claim.{index}"), &mut check))
             .collect();
-        let sweep = self.sweep.map(|sweep| sweep.resolve(&mut check));
+        let sweep = (self.sweep).map(|sweep| sweep.resolve(&uncertain, &mut check));
         if sweep.is_some() && !claims.is_empty() {
             let message = "a sweep has no [[claim]]: its claims are [[sweep.claim]]".to_owned();
             check.refuse(Fault::key("claim.0", message, "never judged"));

@@ -1,4 +1,4 @@
-//! The `[sweep]` table: the same scenario at many values of one or two of its keys.
+//! The `[sweep]` table: the same scenario at many values of some of its keys.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -11,7 +11,9 @@ use crate::metric::MetricTable;
 use crate::sweep_check::{
     check_count, check_key, check_keys_differ, check_names_differ, check_rising,
 };
+use crate::sweep_sample::{Drawn, SampleTable};
 pub use crate::sweep_spec::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};
+use crate::uncertain::UncertainSpec;
 use crate::units::key_unit;
 
 /// How values are spaced between the ends of an axis.
@@ -29,9 +31,11 @@ enum Spacing {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SweepTable {
-    /// Up to two keys and their values.
-    #[schemars(extend("maxItems" = 2))]
+    /// Keys and their values: at most two of which all combinations are rows, or any number
+    /// between whose ends `sample` draws.
     axis: Option<Vec<AxisTable>>,
+    /// Rows that are drawn, in place of all combinations.
+    sample: Option<SampleTable>,
     /// Search for a threshold in each row.
     bisect: Option<BisectTable>,
     /// What to tabulate for each row.
@@ -40,7 +44,7 @@ pub(crate) struct SweepTable {
     claim: Option<Vec<SweepClaim>>,
 }
 
-/// A key and its values: either `values`, or `from`, `to` and `steps`.
+/// A key and its values: either `values`, or `from`, `to` and, where no rows are drawn, `steps`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AxisTable {
@@ -53,7 +57,7 @@ struct AxisTable {
     from: Option<f64>,
     /// Last value.
     to: Option<f64>,
-    /// Number of values, both ends included.
+    /// Number of values, both ends included; not beside `[sweep.sample]`.
     #[schemars(range(min = 2, max = 1000), extend("x-rule" = "both ends are included"))]
     steps: Option<u32>,
     /// How the values are spaced. Default: "linear".
@@ -103,22 +107,33 @@ struct ColumnTable {
 const DEFAULT_TOLERANCE: f64 = 0.002;
 
 impl SweepTable {
-    pub(crate) fn resolve(self, check: &mut Check) -> SweepSpec {
+    pub(crate) fn resolve(self, uncertain: &[UncertainSpec], check: &mut Check) -> SweepSpec {
         let axes = self.axis.unwrap_or_default().into_iter().enumerate();
-        let axes: Vec<SweepAxis> = axes
-            .filter_map(|(index, axis)| axis.resolve(index, check))
-            .collect();
+        let is_sampled = self.sample.is_some();
+        let axes: Vec<SweepAxis> = match self.sample {
+            Some(sample) => {
+                let drawn = axes.filter_map(|(index, axis)| axis.drawn(index, check));
+                let drawn = drawn.collect();
+                sample.resolve(drawn, uncertain, check)
+            }
+            None => axes
+                .filter_map(|(index, axis)| axis.resolve(index, check))
+                .collect(),
+        };
         let bisect = self.bisect.and_then(|bisect| bisect.resolve(check));
         let columns = self.column.unwrap_or_default().into_iter().enumerate();
         let columns: Vec<SweepColumn> = columns
             .filter_map(|(index, column)| column.resolve(index, check))
             .collect();
-        if !check.document().has("sweep.axis") && !check.document().has("sweep.bisect") {
+        let is_swept = ["sweep.axis", "sweep.bisect", "sweep.sample.uncertain"];
+        if !is_swept.iter().any(|key| check.document().has(key)) {
             let message = "[sweep] has neither [[sweep.axis]] nor [sweep.bisect]".to_owned();
             check.refuse(Fault::key("sweep", message, "nothing is swept"));
         }
         check_keys_differ(&axes, bisect.as_ref(), check);
-        check_count(&axes, check);
+        if !is_sampled {
+            check_count(&axes, check);
+        }
         if !check.document().has("sweep.column") && !check.document().has("sweep.bisect") {
             let message =
                 "[sweep] has neither [[sweep.column]] nor [sweep.bisect]: its rows would be empty";
@@ -140,6 +155,7 @@ impl SweepTable {
         }
         SweepSpec {
             axes,
+            is_sampled,
             bisect,
             columns,
             claims,
@@ -151,9 +167,7 @@ impl AxisTable {
     fn resolve(self, index: usize, check: &mut Check) -> Option<SweepAxis> {
         let table = format!("sweep.axis.{index}");
         check_key(&self.key, &format!("{table}.key"), check);
-        if let Some(values) = self.values {
-            let because = "`values` already lists the values";
-            check.ignored(&table, &["from", "to", "steps", "spacing"], because);
+        if let Some(values) = self.listed(&table, check) {
             let unit = key_unit(&self.key);
             return Some(SweepAxis {
                 key: self.key,
@@ -161,17 +175,9 @@ impl AxisTable {
                 unit,
             });
         }
-        let who = "an axis without `values`";
-        let from = check.needed(&table, "from", self.from, who);
-        let to = check.needed(&table, "to", self.to, who);
-        let steps = check.needed(&table, "steps", self.steps, who);
-        let (from, to, steps) = (from?, to?, steps?);
-        check_rising(&table, from, to, check);
-        let spacing = self.spacing.unwrap_or_default();
-        if spacing == Spacing::Log && from <= 0.0 {
-            let message = format!("is {from}, but must be greater than 0: equal ratios");
-            check.wrong(&table, "from", message, "not positive");
-        }
+        let steps = check.needed(&table, "steps", self.steps, NOT_LISTED);
+        let (from, to, spacing) = self.ends(&table, check)?;
+        let steps = steps?;
         let values = (0..steps).map(|step| {
             let share = f64::from(step) / f64::from(steps - 1);
             match spacing {
@@ -186,7 +192,48 @@ impl AxisTable {
             unit,
         })
     }
+
+    /// What the values of an axis are drawn from.
+    fn drawn(self, index: usize, check: &mut Check) -> Option<(String, Drawn)> {
+        let table = format!("sweep.axis.{index}");
+        check_key(&self.key, &format!("{table}.key"), check);
+        if let Some(values) = self.listed(&table, check) {
+            return Some((self.key, Drawn::Among(values)));
+        }
+        check.ignored(&table, &["steps"], SampleTable::BECAUSE);
+        let (from, to, spacing) = self.ends(&table, check)?;
+        let drawn = match spacing {
+            Spacing::Linear => Drawn::Even(from, to),
+            Spacing::Log => Drawn::Log(from, to),
+        };
+        Some((self.key, drawn))
+    }
+
+    /// The values, if they are listed.
+    fn listed(&self, table: &str, check: &mut Check) -> Option<Vec<f64>> {
+        let values = self.values.clone()?;
+        let because = "`values` already lists the values";
+        check.ignored(table, &["from", "to", "steps", "spacing"], because);
+        Some(values)
+    }
+
+    /// First and last value, and what lies between.
+    fn ends(&self, table: &str, check: &mut Check) -> Option<(f64, f64, Spacing)> {
+        let from = check.needed(table, "from", self.from, NOT_LISTED);
+        let to = check.needed(table, "to", self.to, NOT_LISTED);
+        let (from, to) = (from?, to?);
+        check_rising(table, from, to, check);
+        let spacing = self.spacing.unwrap_or_default();
+        if spacing == Spacing::Log && from <= 0.0 {
+            let message = format!("is {from}, but must be greater than 0: equal ratios");
+            check.wrong(table, "from", message, "not positive");
+        }
+        Some((from, to, spacing))
+    }
 }
+
+/// Who needs `from`, `to` and `steps`.
+const NOT_LISTED: &str = "an axis without `values`";
 
 impl BisectTable {
     fn resolve(self, check: &mut Check) -> Option<BisectSpec> {

@@ -55,10 +55,22 @@ pub(crate) fn check_keys_differ(
 }
 
 /// Most rows of a sweep.
-const MOST_ROWS: usize = 100_000;
+pub(crate) const MOST_ROWS: usize = 100_000;
+
+/// Most axes of which all combinations are taken: a figure shows two.
+const MOST_COMBINED: usize = 2;
 
 pub(crate) fn check_count(axes: &[SweepAxis], check: &mut Check) {
-    let rows: usize = axes.iter().map(|axis| axis.values.len()).product();
+    if axes.len() > MOST_COMBINED {
+        let message = format!(
+            "{} axes are combined, but a sweep combines at most {MOST_COMBINED}",
+            axes.len()
+        );
+        let fault = Fault::key("sweep.axis.2", message, "one axis too many");
+        check.refuse(fault.with_help("[sweep.sample] draws rows over any number of axes"));
+    }
+    let counts = axes.iter().map(|axis| axis.values.len());
+    let rows = counts.fold(1, usize::saturating_mul);
     if rows > MOST_ROWS {
         let message = format!(
             "the axes give {rows} combinations, but a sweep has at most {MOST_ROWS}: each is a run"

@@ -4,11 +4,14 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_recording::{MetricSpec, UserUnit};
 
-/// A sweep: rows for all combinations of the axes' values.
+/// A sweep: rows for all combinations of the axes' values, or rows that are drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepSpec {
-    /// Up to two keys and their values; without axes there is one row.
+    /// Keys and their values; without axes there is one row.
     pub axes: Vec<SweepAxis>,
+    /// Whether rows are drawn: the first takes the first value of every axis, and so on. Else they
+    /// are all combinations.
+    pub is_sampled: bool,
     /// Search for a threshold in each row.
     pub bisect: Option<BisectSpec>,
     /// What to tabulate for each row.
@@ -18,6 +21,30 @@ pub struct SweepSpec {
 }
 
 impl SweepSpec {
+    /// How many rows there are.
+    pub fn count(&self) -> usize {
+        let mut counts = self.axes.iter().map(|axis| axis.values.len());
+        match self.is_sampled {
+            true => counts.next().unwrap_or(0),
+            false => counts.product(),
+        }
+    }
+
+    /// The value of each axis in a row below [`SweepSpec::count`]; of combinations the last axis
+    /// runs fastest.
+    pub fn values(&self, row: usize) -> Vec<f64> {
+        let mut rest = row;
+        let mut value = |axis: &SweepAxis| {
+            let count = axis.values.len();
+            let place = if self.is_sampled { row } else { rest % count };
+            rest /= count;
+            axis.values[place]
+        };
+        let mut values: Vec<f64> = self.axes.iter().rev().map(&mut value).collect();
+        values.reverse();
+        values
+    }
+
     /// Metrics of the columns and of the search, with their units and the paths of their tables.
     pub(crate) fn metrics(&self) -> impl Iterator<Item = (String, &MetricSpec, &UserUnit)> {
         let columns = self.columns.iter().enumerate();
@@ -73,7 +100,7 @@ pub struct SweepColumn {
     pub unit: UserUnit,
 }
 
-/// A bound on a column in every row.
+/// A bound on a column in every row, or in a share of them.
 #[derive(Debug, Clone, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepClaim {
@@ -83,6 +110,13 @@ pub struct SweepClaim {
     pub column: String,
     /// The column by which it is divided. Default: none.
     pub over: Option<String>,
+    /// Least share of the rows that must be within the bounds. Default: every row must.
+    #[schemars(extend(
+        "exclusiveMinimum" = 0.0,
+        "maximum" = 1.0,
+        "x-rule" = "it is a share of the rows"
+    ))]
+    pub share: Option<f64>,
     /// Lower bound, in the column's unit; of the ratio if `over` is given.
     pub min: Option<f64>,
     /// Upper bound, in the column's unit; of the ratio if `over` is given.

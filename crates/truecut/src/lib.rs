@@ -170,7 +170,7 @@
 //! // The same sweep with its files: each row is on the disk as soon as it is made. Where the
 //! // program is killed, the next call goes on from there, if scenario, files and version are the
 //! // same. A folder has one writer; that of the run is held as long as `files` above is there.
-//! let files = truecut::SweepOutputs::prepare(&out.path().join("swept"), &swept)?;
+//! let files = truecut::SweepOutputs::prepare(&out.path().join("swept"), &swept, Engine::Rapier)?;
 //! let same = files.run(&|_part| {}, None)?;
 //! assert_eq!(same, table);
 //! assert!(files.finish(&same)?.ends_with("foot/sweep.parquet"));
@@ -341,7 +341,9 @@ pub mod inspect;
 mod journal;
 mod maps;
 pub mod outputs;
+mod parts;
 mod predictions;
+mod rows;
 mod staged;
 
 pub use truecut_arm as arm;
@@ -355,6 +357,7 @@ pub use truecut_telemetry as telemetry;
 
 pub use journal::SweepOutputs;
 pub use outputs::Outputs;
+pub use parts::{Made, SweepParts};
 pub use predictions::KeptModel;
 pub use staged::Staged;
 pub use truecut_scenario::Scenario;

@@ -1,8 +1,10 @@
 //! One combination of a sweep's values, run alone.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use crate::engine::Engine;
 use crate::error::SimError;
 use crate::run::Run;
 use truecut_recording::{Metric, MetricSpec, Outcome, Recording, Unit, UserUnit};
@@ -15,6 +17,7 @@ pub struct Job {
     /// the square of their number.
     scenario: Arc<Scenario>,
     sweep: Arc<SweepSpec>,
+    engine: Engine,
     /// Keys and values, as for `--set`.
     pub overrides: Vec<(String, String)>,
 }
@@ -69,33 +72,28 @@ impl SweepRow {
     }
 }
 
-/// All jobs of a scenario's sweep, the last axis running fastest; none without a sweep.
+/// All jobs of a scenario's sweep in rapier, in the order of its rows; none without a sweep.
 pub fn jobs(scenario: &Scenario) -> Vec<Job> {
+    let count = scenario.sweep.as_ref().map_or(0, SweepSpec::count);
+    jobs_of(scenario, Engine::Rapier, 0..count)
+}
+
+/// Those of some rows; all lie below [`SweepSpec::count`].
+pub(super) fn jobs_of(scenario: &Scenario, engine: Engine, rows: Range<usize>) -> Vec<Job> {
     let Some(sweep) = &scenario.sweep else {
         return Vec::new();
     };
-    let mut combinations: Vec<Vec<(String, String)>> = vec![Vec::new()];
-    for axis in &sweep.axes {
-        combinations = combinations
-            .iter()
-            .flat_map(|before| {
-                axis.values.iter().map(move |value| {
-                    let mut next = before.clone();
-                    next.push((axis.key.clone(), number(*value)));
-                    next
-                })
-            })
-            .collect();
-    }
-    let (scenario, sweep) = (Arc::new(scenario.clone()), Arc::new(sweep.clone()));
-    combinations
-        .into_iter()
-        .map(|overrides| Job {
-            scenario: Arc::clone(&scenario),
-            sweep: Arc::clone(&sweep),
-            overrides,
-        })
-        .collect()
+    let keys = || sweep.axes.iter().map(|axis| axis.key.clone());
+    let (shared, spec) = (Arc::new(scenario.clone()), Arc::new(sweep.clone()));
+    let job = |row| Job {
+        scenario: Arc::clone(&shared),
+        sweep: Arc::clone(&spec),
+        engine,
+        overrides: keys()
+            .zip(sweep.values(row).into_iter().map(number))
+            .collect(),
+    };
+    rows.map(job).collect()
 }
 
 /// A number as TOML reads it back, to the last bit. Whole numbers stay whole for keys that count.
@@ -165,7 +163,7 @@ fn row(job: &Job, progress: &dyn Fn(f64), stop: Option<&AtomicBool>) -> Result<S
             last.recording
         }
         None => {
-            let recording = record(&job.scenario, &job.overrides, progress, stop)?;
+            let recording = record(job, &job.overrides, progress, stop)?;
             row.fault = Fault::of(&recording, "");
             recording
         }
@@ -253,7 +251,7 @@ fn search_run(
 ) -> Result<SearchRun, SimError> {
     let mut overrides = job.overrides.clone();
     overrides.push((bisect.key.clone(), format!("{value:?}")));
-    let recording = record(&job.scenario, &overrides, progress, stop)?;
+    let recording = record(job, &overrides, progress, stop)?;
     let metric = bisect.metric.evaluate(&recording)?;
     check_unit("sweep.bisect", &bisect.metric, &metric, &bisect.unit)?;
     Ok(SearchRun {
@@ -285,18 +283,19 @@ fn check_unit(
     Err(SimError::scenario(format!("{table}.unit"), message))
 }
 
-/// Runs a scenario with overrides and keeps the recording in memory.
+/// Runs a job's scenario with overrides and keeps the recording in memory.
 fn record(
-    scenario: &Scenario,
+    job: &Job,
     overrides: &[(String, String)],
     progress: &dyn Fn(f64),
     stop: Option<&AtomicBool>,
 ) -> Result<Recording, SimError> {
     Run {
         overrides: overrides.to_vec(),
+        engine: job.engine,
         progress,
         stop,
-        ..Run::of(scenario)
+        ..Run::of(&job.scenario)
     }
     .recording()
 }

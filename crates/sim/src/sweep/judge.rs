@@ -1,6 +1,6 @@
 //! The claims of a sweep, over all rows.
 
-use truecut_recording::{ClaimResult, Unit, UserUnit};
+use truecut_recording::{ClaimResult, Unit, UserUnit, short_number};
 use truecut_scenario::{Scenario, SweepClaim};
 
 use super::table::SweepTable;
@@ -51,6 +51,11 @@ impl SweepTable {
     fn judge(&self, claim: &SweepClaim) -> ClaimResult {
         let (unit, values) = self.judged_values(claim);
         let bounds = Bounds::of(claim, &unit);
+        if let Some(least) = claim.share {
+            let within = values.iter().filter(|value| bounds.excess(**value) <= 0.0);
+            let within = within.count();
+            return judge_share(claim, least, &bounds.show(&unit), within, values.len());
+        }
         let row = (0..values.len()).max_by(|a, b| {
             bounds
                 .excess(values[*a])
@@ -62,14 +67,10 @@ impl SweepTable {
         let run = row.and_then(|row| self.faults[row].as_ref());
         let why = run.map_or("the row has no value", |run| run.why.as_str());
         let note = worst.is_none().then(|| why.to_owned());
-        let metric = match &claim.over {
-            Some(over) => format!("{} / {over}", claim.column),
-            None => claim.column.clone(),
-        };
         let value = worst.map_or_else(|| "no value".to_owned(), |value| unit.show(value));
         ClaimResult {
             name: claim.name.clone(),
-            metric,
+            metric: bounded(claim),
             value: worst,
             unit: unit.unit,
             min: bounds.min,
@@ -100,5 +101,39 @@ impl SweepTable {
             _ => UserUnit::from(Unit::One),
         };
         (unit, self.rows.iter().map(value).collect())
+    }
+}
+
+/// What a claim bounds.
+fn bounded(claim: &SweepClaim) -> String {
+    match &claim.over {
+        Some(over) => format!("{} / {over}", claim.column),
+        None => claim.column.clone(),
+    }
+}
+
+/// A claim of which a share of the rows is enough: that share is its value.
+fn judge_share(
+    claim: &SweepClaim,
+    least: f64,
+    bounds: &str,
+    within: usize,
+    count: usize,
+) -> ClaimResult {
+    let share = (count > 0).then(|| within as f64 / count as f64);
+    ClaimResult {
+        name: claim.name.clone(),
+        metric: format!("share of rows with {} {bounds}", bounded(claim)),
+        value: share,
+        unit: Unit::One,
+        min: Some(least),
+        max: None,
+        holds: share.is_some_and(|share| share >= least),
+        reason: claim.reason.clone(),
+        shown: format!(
+            "{within} of {count} rows {bounds}, at least {} %",
+            short_number(100.0 * least)
+        ),
+        note: share.is_none().then(|| "there is no row".to_owned()),
     }
 }

@@ -1,4 +1,4 @@
-//! Sweeps: one scenario at many values of one or two of its keys.
+//! Sweeps: one scenario at many values of some of its keys.
 //!
 //! [`sweep`] runs all of it, in parallel, and gives a [`SweepTable`], on which the sweep's claims
 //! are judged. Its [`jobs`] can also be run one by one, here or on a cluster: a [`Job`] holds all

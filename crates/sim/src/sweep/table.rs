@@ -2,14 +2,16 @@
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use truecut_recording::{Outcome, UserUnit, short_number};
-use truecut_scenario::Scenario;
+use truecut_scenario::{Scenario, SweepSpec};
 
-use super::job::{Fault, Job, SweepRow, jobs, run_job_until};
+use super::job::{Fault, Job, SweepRow, jobs_of, run_job_until};
+use crate::engine::Engine;
 use crate::run::{Run, RunError};
 
 /// The results of a sweep: a row for each job, the last axis running fastest.
@@ -82,6 +84,11 @@ pub struct TableRow {
 pub struct Sweep<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
+    /// What integrates the arm.
+    pub engine: Engine,
+    /// The rows that are asked for, by their number from 0; all if not given. The table has these
+    /// alone.
+    pub rows: Option<&'a Range<usize>>,
     /// Rows that were made before, by their number from 0; they are not run again.
     pub kept: Option<&'a BTreeMap<usize, TableRow>>,
     /// Called with every row as soon as it is made, from any thread; an error ends the sweep.
@@ -113,6 +120,8 @@ impl<'a> Sweep<'a> {
     pub fn of(scenario: &'a Scenario) -> Sweep<'a> {
         Sweep {
             scenario,
+            engine: Engine::Rapier,
+            rows: None,
             kept: None,
             done: &|_, _| Ok(()),
             progress: &|_| (),
@@ -123,32 +132,45 @@ impl<'a> Sweep<'a> {
     /// Runs the rows in parallel.
     ///
     /// # Errors
-    /// Whatever makes the scenario unfit to run, as it is or in one of the rows; metrics that its
-    /// runs do not have; what [`Sweep::done`] answers; [`Sweep::stop`].
+    /// Whatever makes the scenario unfit to run, as it is or in one of the rows; rows that the sweep
+    /// does not have; metrics that its runs do not have; what [`Sweep::done`] answers;
+    /// [`Sweep::stop`].
     pub fn execute(&self) -> Result<SweepTable, RunError> {
         // Mistakes in the metrics are to be found before the first run.
-        Run::of(self.scenario).check()?;
+        let run = Run {
+            engine: self.engine,
+            ..Run::of(self.scenario)
+        };
+        run.check()?;
         let columns = columns(self.scenario);
-        let jobs = jobs(self.scenario);
+        let asked = self.asked()?;
+        let jobs = jobs_of(self.scenario, self.engine, asked.clone());
         let parts = Parts {
             progress: self.progress,
             count: jobs.len() as f64,
             done: Mutex::new(0.0),
         };
-        let rows = jobs.par_iter().enumerate();
+        let rows = asked.into_par_iter().zip(&jobs);
         let rows = rows
             .map(|(index, job)| self.row(index, job, &columns, &parts))
             .collect::<Result<Vec<TableRow>, RunError>>()?;
-        let mut table = SweepTable {
-            columns,
-            rows: Vec::new(),
-            faults: Vec::new(),
+        Ok(SweepTable::of(self.scenario, rows))
+    }
+
+    /// The rows that are asked for, if the sweep has them.
+    fn asked(&self) -> Result<Range<usize>, RunError> {
+        let count = self.scenario.sweep.as_ref().map_or(0, SweepSpec::count);
+        let Some(rows) = self.rows else {
+            return Ok(0..count);
         };
-        for row in rows {
-            table.rows.push(row.values);
-            table.faults.push(row.fault);
+        if rows.is_empty() || rows.end > count {
+            let message = format!(
+                "rows {}..{} are asked for, but the sweep has {count}: 0..{count}",
+                rows.start, rows.end
+            );
+            return Err(self.scenario.problem("sweep", message).into());
         }
-        Ok(table)
+        Ok(rows.clone())
     }
 
     fn row(
@@ -238,6 +260,17 @@ fn columns(scenario: &Scenario) -> Vec<Column> {
 }
 
 impl SweepTable {
+    /// The table of rows of a scenario's sweep, in their order.
+    pub fn of(scenario: &Scenario, rows: impl IntoIterator<Item = TableRow>) -> SweepTable {
+        let rows = rows.into_iter().map(|row| (row.values, row.fault));
+        let (rows, faults) = rows.unzip();
+        SweepTable {
+            columns: columns(scenario),
+            rows,
+            faults,
+        }
+    }
+
     /// The index of a result's column.
     pub fn index(&self, name: &str) -> Option<usize> {
         self.columns
