@@ -8,7 +8,7 @@ use truecut::discrepancy::model::{Candidate, Columns, Model, PredictError};
 use truecut::recording::ChannelSpec;
 use truecut::scenario::UncertainSpec;
 use truecut::scenario::effect::Effect;
-use truecut::{KeptModel, Scenario, SweepOutputs};
+use truecut::{Engine, KeptModel, Scenario, SweepOutputs, SweepParts};
 use truecut_arm::{MeshData, Robot, expanded_urdf};
 use truecut_plan::surface::part::{Part, PartOptions};
 use truecut_plan::surface::{Mesh, MeshUse};
@@ -91,7 +91,8 @@ fn sweep() -> Scenario {
 pub(crate) fn sweep_rows() -> Vec<Seed> {
     let folder = TempDir::new().expect("a folder");
     let scenario = sweep();
-    let outputs = SweepOutputs::prepare(folder.path(), &scenario).expect("a folder");
+    let outputs =
+        SweepOutputs::prepare(folder.path(), &scenario, Engine::Rapier).expect("a folder");
     outputs.run(&|_| (), None).expect("rows");
     drop(outputs);
     let path = folder.path().join(scenario.stem()).join(ROWS);
@@ -105,7 +106,8 @@ pub(crate) fn sweep_goes_on(case: &Case) -> Result<(), String> {
     let folder = case.folder.join(SCENARIO.stem());
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::write(folder.join(ROWS), case.bytes).expect("rows");
-    let outputs = SweepOutputs::prepare(case.folder, &SCENARIO).map_err(|e| e.to_string())?;
+    let outputs = SweepOutputs::prepare(case.folder, &SCENARIO, Engine::Rapier);
+    let outputs = outputs.map_err(|e| e.to_string())?;
     let kept = outputs.kept();
     let table = outputs.run(&|_| (), None).map_err(|e| e.to_string())?;
     assert_eq!(table.rows.len(), 3, "rows of the sweep");
@@ -113,6 +115,22 @@ pub(crate) fn sweep_goes_on(case: &Case) -> Result<(), String> {
         3 => Ok(()),
         _ => Err(format!("{kept} rows kept")),
     }
+}
+
+/// The same rows as a part of a sweep: a table where all are there, and fit.
+pub(crate) fn sweep_part(case: &Case) -> Result<(), String> {
+    static SCENARIO: LazyLock<Scenario> = LazyLock::new(sweep);
+    static PARTS: LazyLock<SweepParts<'static>> =
+        LazyLock::new(|| SweepParts::of(&SCENARIO, Engine::Rapier).expect("a sweep"));
+    let table = PARTS.merge(&[case.written()]).map_err(|e| e.to_string())?;
+    assert_eq!(table.rows.len(), 3, "rows of the sweep");
+    assert!(
+        table
+            .rows
+            .iter()
+            .all(|row| row.len() == table.columns.len())
+    );
+    Ok(())
 }
 
 /// Predicts a little, slowly enough to be worth keeping.

@@ -229,6 +229,12 @@ pub const READERS: &[Reader] = &[
         commands: &[],
     },
     Reader {
+        name: "sweep_part",
+        seeds: beside::sweep_rows,
+        read: beside::sweep_part,
+        commands: &[],
+    },
+    Reader {
         name: "predictions",
         seeds: beside::predictions,
         read: beside::search_goes_on,

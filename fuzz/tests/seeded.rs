@@ -65,5 +65,6 @@ readers! {
     taught: 1000,
     yaml: 1000,
     sweep_rows: 300,
+    sweep_part: 1000,
     predictions: 1000,
 }

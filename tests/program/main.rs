@@ -5,6 +5,7 @@ mod results;
 mod cam;
 mod clearance;
 mod compare;
+mod completions;
 mod coupled;
 mod diagnose;
 mod excite;

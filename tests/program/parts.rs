@@ -5,7 +5,7 @@ use std::path::Path;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-use super::{BAD_INPUT, CLAIM_FAILED, Desk, sweep};
+use super::{BAD_INPUT, CLAIM_FAILED, Desk, LONG, sweep};
 
 /// A sweep of nine rows.
 fn swept(desk: &Desk, name: &str) {
@@ -183,7 +183,7 @@ fn rows_and_options_that_make_no_sense_are_refused() {
 fn a_part_that_takes_too_long_is_none() {
     let desk = Desk::new();
     let axis = sweep("process.load.release_n.0", "10, 20");
-    desk.scenario("swept", "duration_s = 300\ntime_step_ms = 0.02", &axis);
+    desk.scenario("swept", LONG, &axis);
     let call = [
         "sweep",
         "swept.toml",

@@ -110,6 +110,8 @@ pub enum Command {
     Identify(IdentifyArguments),
     /// Print what is understood of a robot: chain, masses, modes, stiffness at a posture
     Robot(RobotArguments),
+    /// Print the completions of a shell, or write the manual's pages
+    Completions(CompletionsArguments),
     /// Print the JSON Schema of the scenario file, the identification file, the path job, the
     /// cell, a surface or robot.toml
     Schema(SchemaArguments),
@@ -124,6 +126,38 @@ pub struct Common {
     /// How many runs may go on at once [default: one for each core]
     #[arg(long, value_name = "N", value_parser = number::count)]
     pub jobs: Option<std::num::NonZeroUsize>,
+}
+
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct CompletionsArguments {
+    /// The shell, whose completions are printed
+    #[arg(value_enum)]
+    shell: Option<clap_complete::Shell>,
+    /// Write a page of the manual for each command into this folder instead
+    #[arg(long, value_name = "DIR")]
+    man: Option<PathBuf>,
+}
+
+impl CompletionsArguments {
+    /// What is printed; pages of the manual are written.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn text(&self) -> Result<String, Failure> {
+        let mut command = Arguments::as_command();
+        if let Some(folder) = &self.man {
+            std::fs::create_dir_all(folder)
+                .and_then(|()| clap_mangen::generate_to(command, folder))
+                .map_err(|error| Failure::at(folder, error))?;
+            return Ok(format!("  {}/truecut.1\n", folder.display()));
+        }
+        let mut text = Vec::new();
+        if let Some(shell) = self.shell {
+            clap_complete::generate(shell, &mut command, "truecut", &mut text);
+        }
+        Ok(String::from_utf8_lossy(&text).into_owned())
+    }
 }
 
 #[derive(Debug, Args)]

@@ -72,6 +72,7 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
         Command::Program(arguments) => program::program(&arguments),
         Command::Robot(arguments) => robot::robot(&arguments),
         Command::Identify(arguments) => identify::identify(&arguments),
+        Command::Completions(arguments) => print(&arguments.text()?),
         Command::Schema(arguments) => print(&format!("{:#}\n", arguments.schema())),
     }?;
     Ok(status.into())

@@ -138,6 +138,7 @@ fn from_uncertain(
             let at = format!("uncertain.{index}.key");
             let message = format!("`{at}` is \"{}\", which an axis draws already", one.key);
             check.refuse(Fault::value(&at, message, "drawn twice"));
+            continue;
         }
         let unit = key_unit(&one.key);
         let range = structure::range(check.document().schema(), &split_path(&one.key));

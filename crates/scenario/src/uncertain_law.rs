@@ -18,7 +18,8 @@ pub struct UncertainLaw {
 }
 
 impl UncertainLaw {
-    /// That of a value, in SI, within three standard deviations and the range that its key may have.
+    /// That of a value, in SI, within three standard deviations and the range that its key may
+    /// have.
     pub fn of(uncertain: &UncertainSpec, range: [f64; 2]) -> Self {
         let (middle, sigma) = (uncertain.value, uncertain.sigma);
         let normal = Normal::new(middle, sigma).unwrap_or_else(|_| Normal::standard());

@@ -211,6 +211,14 @@ impl<'a> SweepParts<'a> {
             let why = format!("has row {last}, but the sweep has {} rows", self.count);
             return told(why, "make the part again");
         }
+        let of_columns = SweepTable::of(self.scenario, []).columns.len();
+        let misfit = found.iter().find(|(_, row)| row.values.len() != of_columns);
+        if let Some((index, row)) = misfit {
+            let count = row.values.len();
+            let why =
+                format!("row {index} has {count} values, but the sweep has {of_columns} columns");
+            return told(why, "make the part again");
+        }
         Ok(found)
     }
 }

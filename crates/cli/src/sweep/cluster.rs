@@ -230,7 +230,7 @@ fn wait(
 /// Parts that did not come, with what the worker said of the first.
 fn not_made(share: &Share, left: usize, of: usize) -> Failure {
     let Range { start, end } = share.rows;
-    let words = std::fs::read_to_string(share.words()).unwrap_or_default();
+    let words = truecut_files::read_text(&share.words()).unwrap_or_default();
     let words = match words.trim() {
         "" => "its worker said nothing: it may have died, or have no disk left".to_owned(),
         words => words.to_owned(),

@@ -132,8 +132,8 @@ impl<'a> Sweep<'a> {
     /// Runs the rows in parallel.
     ///
     /// # Errors
-    /// Whatever makes the scenario unfit to run, as it is or in one of the rows; rows that the sweep
-    /// does not have; metrics that its runs do not have; what [`Sweep::done`] answers;
+    /// Whatever makes the scenario unfit to run, as it is or in one of the rows; rows that the
+    /// sweep does not have; metrics that its runs do not have; what [`Sweep::done`] answers;
     /// [`Sweep::stop`].
     pub fn execute(&self) -> Result<SweepTable, RunError> {
         // Mistakes in the metrics are to be found before the first run.
