@@ -13,6 +13,7 @@ mod fit;
 mod identify;
 mod kept;
 mod maps;
+mod new;
 mod parts;
 mod path;
 mod same;

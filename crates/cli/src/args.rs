@@ -1,6 +1,7 @@
 //! Arguments as written, and in the resolved form that the commands use.
 
 mod finishing;
+mod new;
 mod number;
 mod part;
 mod robot;
@@ -16,6 +17,7 @@ use truecut_scenario::Scenario;
 use crate::failure::Failure;
 
 pub use finishing::{CamArguments, PathArguments, ProgramArguments};
+pub use new::{NewArguments, ProcessName};
 pub use part::PartArguments;
 pub use robot::{InitArguments, RobotArguments, RobotCommand};
 pub use runs::{
@@ -72,6 +74,8 @@ fn signed(command: clap::Command) -> clap::Command {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Write a scenario of your robot that runs, to begin with
+    New(NewArguments),
     /// Run scenarios, judge their claims and write recordings
     Run(RunArguments),
     /// Run a sweep whole, some of its rows as a part, put parts together, or run it on a cluster

@@ -16,6 +16,7 @@ mod fit;
 mod identify;
 mod lobes;
 mod mjcf;
+mod new;
 mod page;
 mod part;
 mod path;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
 
 fn dispatch(command: Command) -> Result<ExitCode, Failure> {
     let status = match command {
+        Command::New(arguments) => new::new(&arguments),
         Command::Run(arguments) => return run::run(&arguments),
         Command::Sweep(arguments) => return sweep::sweep(&arguments),
         Command::Check(arguments) => return check::check(&arguments),

@@ -1,0 +1,217 @@
+//! `truecut new`: a scenario of one's own robot that runs, to begin with.
+
+use std::path::Path;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{RngCore, SeedableRng};
+use truecut::outputs::write_file;
+use truecut_arm::{FrameId, JointKind, Masses, Packages, Reading, Robot};
+use truecut_scenario::Scenario;
+use truecut_sim::run::Run;
+
+use crate::args::{NewArguments, ProcessName};
+use crate::exit_status::ExitStatus;
+use crate::failure::Failure;
+
+const HEAD: &str = include_str!("new/head.toml");
+
+/// How the tool may be turned about its axis, in degrees.
+const TURNS: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
+
+/// How many postures and places are looked at.
+const TRIALS: usize = 400;
+
+/// Writes the scenario, once one is found that can run.
+pub fn new(arguments: &NewArguments) -> Result<ExitStatus, Failure> {
+    if arguments.out.exists() {
+        return Err(Failure::with_help(
+            format!("{} is there already", arguments.out.display()),
+            "write another file with --out",
+        ));
+    }
+    let place_leads = matches!(
+        arguments.process,
+        ProcessName::Milling | ProcessName::Polish
+    );
+    refuse_idle(arguments, place_leads)?;
+    let reading = Reading {
+        config: arguments.config.as_deref(),
+        masses: Masses::Needed,
+        packages: Packages::from_environment([]),
+        ..Reading::default()
+    };
+    let robot = Robot::read(&arguments.robot, &reading).map_err(|error| Failure::arm(&error))?;
+    let mut last: Option<String> = None;
+    let mut is_one = true;
+    for start in starts(arguments, &robot, place_leads) {
+        let text = filled(arguments, &robot, &start)?;
+        let scenario = Scenario::from_str(&arguments.out, &text, &[])?;
+        match Run::of(&scenario)
+            .check()
+            .map_err(|error| error.to_string())
+        {
+            Ok(()) => {
+                write_file(&arguments.out, text.as_bytes())?;
+                let shown = arguments.out.display();
+                return crate::print(&format!("  {shown}   (run it: truecut run {shown})\n"));
+            }
+            Err(fault) => {
+                is_one &= last.as_ref().is_none_or(|last| *last == fault);
+                last = Some(fault);
+            }
+        }
+    }
+    // What is wrong everywhere has nothing to do with the start.
+    if let Some(fault) = last.as_ref().filter(|_| is_one) {
+        return Err(Failure::with_help(
+            fault,
+            "what a robot's file lacks goes into robot.toml: truecut robot init FILE --payload KG",
+        ));
+    }
+    let what = if place_leads {
+        "--place-mm"
+    } else {
+        "--posture-deg"
+    };
+    let fault = last.unwrap_or_else(|| "there is none".to_owned());
+    Err(Failure::with_help(
+        format!(
+            "no start was found from which the arm can do it; the last that was tried: {fault}"
+        ),
+        format!("name one with {what}"),
+    ))
+}
+
+/// Each option that is given has a use.
+fn refuse_idle(arguments: &NewArguments, place_leads: bool) -> Result<(), Failure> {
+    let idle = match place_leads {
+        true => arguments.posture_deg.is_some().then_some("--posture-deg"),
+        false => arguments.place_mm.is_some().then_some("--place-mm"),
+    };
+    if let Some(name) = idle {
+        let leads = if place_leads {
+            "a place leads the tool"
+        } else {
+            "a posture leads the tool"
+        };
+        return Err(Failure::message(format!(
+            "{name} has no effect here: {leads}"
+        )));
+    }
+    if let Some(place) = arguments.place_mm.as_ref().filter(|place| place.len() != 3) {
+        let text = format!(
+            "--place-mm has {} numbers, but must have three",
+            place.len()
+        );
+        return Err(Failure::message(text));
+    }
+    Ok(())
+}
+
+/// Where the tool begins.
+enum Start {
+    /// Of the joints, in degrees or mm.
+    Posture(Vec<f64>),
+    /// In the world, mm, and how the tool is turned about its axis, in degrees.
+    Place([f64; 3], f64),
+}
+
+/// What is given, or what is worth a try, best first.
+fn starts(arguments: &NewArguments, robot: &Robot, place_leads: bool) -> Vec<Start> {
+    if let Some(given) = &arguments.posture_deg {
+        return vec![Start::Posture(given.clone())];
+    }
+    if let Some([x, y, z]) = arguments.place_mm.as_deref() {
+        return TURNS.map(|turn| Start::Place([*x, *y, *z], turn)).into();
+    }
+    let mut drawn = postures(robot);
+    if place_leads {
+        // The tool works from above; where it hangs over the floor in a good posture is in reach.
+        let places = drawn.into_iter().flat_map(|posture| {
+            let tool = robot.world_from_frame(&posture, FrameId::Tool).translation;
+            let mm = [tool.x, tool.y, tool.z].map(|value| (1e2 * value).round() * 10.0);
+            TURNS.map(|turn| Start::Place(mm, turn))
+        });
+        let above = |start: &Start| matches!(start, Start::Place([_, _, z], _) if *z > 0.0);
+        return places.filter(above).take(TRIALS).collect();
+    }
+    drawn.truncate(TRIALS / 10);
+    let shown = |posture: Vec<f64>| {
+        let values = posture.iter().zip(&robot.chain.joints);
+        let values = values.map(|(value, joint)| match joint.kind {
+            JointKind::Prismatic => (1e3 * value).round(),
+            JointKind::Revolute => value.to_degrees().round(),
+        });
+        Start::Posture(values.collect())
+    };
+    drawn.into_iter().map(shown).collect()
+}
+
+/// Postures within the middle of the limits, the best conditioned first.
+fn postures(robot: &Robot) -> Vec<Vec<f64>> {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut share = || (random.next_u64() >> 11) as f64 * 2f64.powi(-53);
+    let mut drawn: Vec<(f64, Vec<f64>)> = (0..TRIALS)
+        .map(|_| {
+            let joints = robot.chain.joints.iter();
+            let posture: Vec<f64> = joints
+                .map(|joint| {
+                    let (low, high) = joint.limits.map_or((-2.0, 2.0), |l| {
+                        (l.lower.max(-2.0), l.upper.min(2.0).max(l.lower))
+                    });
+                    low + (0.2 + 0.6 * share()) * (high - low)
+                })
+                .collect();
+            let jacobian = robot.jacobian(&posture, FrameId::Tool);
+            let values = jacobian.singular_values();
+            (values.min() / values.max(), posture)
+        })
+        .collect();
+    drawn.sort_by(|a, b| b.0.total_cmp(&a.0));
+    drawn.into_iter().map(|(_, posture)| posture).collect()
+}
+
+/// The template with everything in its place.
+fn filled(arguments: &NewArguments, robot: &Robot, start: &Start) -> Result<String, Failure> {
+    let (body, does) = match arguments.process {
+        ProcessName::Load => (include_str!("new/load.toml"), "Load"),
+        ProcessName::Chamfer => (include_str!("new/chamfer.toml"), "Chamfering"),
+        ProcessName::Milling => (include_str!("new/milling.toml"), "Milling"),
+        ProcessName::Polish => (include_str!("new/polish.toml"), "Polishing"),
+    };
+    let file = |path: &Path| {
+        let path = path
+            .canonicalize()
+            .map_err(|error| Failure::at(path, error))?;
+        let text = path.display().to_string();
+        match text.contains('\'') {
+            true => Err(Failure::message(format!(
+                "{text}: a path with ' cannot be written here"
+            ))),
+            false => Ok(text),
+        }
+    };
+    let config = match &arguments.config {
+        Some(config) => format!("\nconfig = '{}'", file(config)?),
+        None => String::new(),
+    };
+    let named = arguments.name.clone();
+    let named = named.unwrap_or_else(|| format!("{does} with {}", robot.chain.name));
+    let mut text = format!("{HEAD}{body}")
+        .replace("@NAME@", &named.replace(['"', '\\'], "'"))
+        .replace("@URDF@", &file(&arguments.robot)?)
+        .replace("@CONFIG@", &config);
+    match start {
+        Start::Posture(values) => {
+            text = text.replace("@POSTURE@", &format!("\nposture_deg = {values:?}"));
+        }
+        Start::Place(place, turn) => {
+            text = text.replace("@POSTURE@", "");
+            text = text.replace("@TURN@", &format!("{turn:?}"));
+            for (key, value) in ["@X@", "@Y@", "@Z@"].iter().zip(place) {
+                text = text.replace(key, &format!("{value:?}"));
+            }
+        }
+    }
+    Ok(text)
+}
