@@ -15,6 +15,7 @@ mod kept;
 mod maps;
 mod new;
 mod parts;
+mod milled;
 mod path;
 mod same;
 mod signals;

@@ -10,7 +10,7 @@ const FAR: f64 = 4.0;
 const KNOWN: f64 = 2.5;
 /// A tool that sinks by less than this part of a layer, or this, m, still cuts at that layer.
 const SUNK: f64 = 0.5;
-const MOST_SUNK_M: f64 = 0.1e-3;
+pub(super) const MOST_SUNK_M: f64 = 0.1e-3;
 
 /// A box of stock, its faces along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,6 +87,11 @@ impl Layer {
 
     pub(super) fn values(&self) -> &[f64] {
         &self.beyond_m
+    }
+
+    #[cfg(test)]
+    pub(super) fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.beyond_m
     }
 }
 
@@ -210,6 +215,18 @@ impl LayeredStock {
 
     pub fn layers(&self) -> &[Layer] {
         &self.layers
+    }
+
+    #[cfg(test)]
+    pub(super) fn layers_mut(&mut self) -> &mut [Layer] {
+        &mut self.layers
+    }
+
+    /// The node nearest to a place.
+    pub fn nearest(&self, place_m: &Vector2<f64>) -> usize {
+        let at = (place_m - self.block.least_m.xy()).component_div(&self.spacing_m);
+        let index = |axis: usize| (at[axis].round().max(0.0) as usize).min(self.nodes[axis] - 1);
+        index(0) + self.nodes[0] * index(1)
     }
 
     pub fn place(&self, node: usize) -> Vector2<f64> {

@@ -1,0 +1,178 @@
+//! What path milling leaves, taken up by the rest of the program.
+
+use std::path::Path;
+
+use serde_json::Value;
+use truecut_recording::Summary;
+
+use super::Desk;
+
+/// A plate of 60 x 30 x 5 mm: a side milled off in two depths, and a slot along it.
+const WAY: &str = "%
+G21 G90 G94 G17
+G0 X-12. Y0. Z5.
+G61
+G1 Z-2.5 F1800.
+X72.
+Z-5.
+X-12.
+Z-2.
+Y15.
+X72.
+G0 Z5.
+M30
+%
+";
+
+fn asset(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .join(path);
+    path.canonicalize().unwrap().display().to_string()
+}
+
+/// Mills the plate along a path, with further keys of the cutter; what the run comes to.
+fn mill(desk: &Desk, name: &str, way: &str, cutter: &str) -> Summary {
+    std::fs::write(desk.path("way.nc"), way).unwrap();
+    let scenario = format!(
+        r#"
+name = "Milled plate"
+[robot]
+urdf = '{}'
+config = '{}'
+[process.path_milling]
+spindle_rpm = 12000
+[process.path_milling.cutter]
+diameter_mm = 12
+teeth = 2
+helix_deg = 30
+{cutter}
+[process.path_milling.cutting]
+tangential_mpa = 600
+radial_mpa = 200
+[process.path_milling.path]
+file = "way.nc"
+work_xyz_mm = [1050, -1450, 870]
+rapid_mm_per_s = 40
+[process.path_milling.stock]
+corner_mm = [0, 0, -5]
+size_mm = [60, 30, 5]
+grid_mm = 0.5
+"#,
+        asset("assets/robots/irb6600_175_255/robot.urdf"),
+        asset("assets/robots/irb6600_175_255/milling.toml"),
+    );
+    std::fs::write(desk.path(&format!("{name}.toml")), scenario).unwrap();
+    desk.ends(0, &["run", &format!("{name}.toml")]);
+    summary(desk, name)
+}
+
+fn summary(desk: &Desk, name: &str) -> Summary {
+    let path = desk.path(&format!("out/{name}/summary.json"));
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Counts of all defects that `truecut part` finds, and the part.
+fn part_without_defects(desk: &Desk, name: &str) -> Value {
+    let told = desk.ends(0, &["part", &format!("out/{name}/part.stl"), "--json"]);
+    let part: Value = serde_json::from_str(&told).unwrap();
+    let defects = part["defects"].as_object().unwrap();
+    assert!(defects.len() > 8, "{defects:?}");
+    for (name, defect) in defects {
+        let none = defect == &Value::Bool(false) || defect["count"] == 0;
+        assert!(none, "{name}: {defect}");
+    }
+    part
+}
+
+/// Points on the upper edge of the side that is milled off, as the tool has left it.
+fn upper_edge_mm(stl: &Path) -> Vec<[f32; 3]> {
+    let bytes = std::fs::read(stl).unwrap();
+    let float = |at: &[u8]| f32::from_le_bytes(at.try_into().unwrap());
+    let triangles = bytes[84..].chunks_exact(50).map(|one| &one[12..48]);
+    let corners = triangles.flat_map(|all| all.chunks_exact(12));
+    let mut points: Vec<[f32; 3]> = corners
+        .map(|corner| [0, 4, 8].map(|at| float(&corner[at..at + 4])))
+        .filter(|[x, y, z]| *z == 0.0 && (y - 6.0).abs() < 0.4 && *x > 1.0 && *x < 59.0)
+        .collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    points.dedup();
+    points.into_iter().step_by(8).collect()
+}
+
+/// The part has no defects, the volume that the run reports, and an edge that a brush deburrs.
+#[test]
+fn a_milled_part_is_a_solid_that_can_be_brushed() {
+    let desk = Desk::new();
+    let summary = mill(&desk, "plate", WAY, "");
+    let part = part_without_defects(&desk, "plate");
+    let removed_m3 = summary.metrics["path_milling.stock_removed"].unwrap();
+    let left_m3 = 60.0 * 30.0 * 5.0 * 1e-9 - removed_m3;
+    let volume_m3 = part["volume_m3"].as_f64().unwrap();
+    assert!(
+        (volume_m3 / left_m3 - 1.0).abs() < 1e-6,
+        "{volume_m3} {left_m3}"
+    );
+
+    let points = upper_edge_mm(&desk.path("out/plate/part.stl"));
+    let scenario = format!(
+        r#"
+name = "Brushed plate"
+[robot]
+urdf = '{}'
+[run]
+time_step_ms = 0.5
+[process.brush]
+radius_mm = 60
+width_mm = 20
+speed_rpm = 1500
+bristles = 8000
+bristle_diameter_mm = 0.5
+free_length_mm = 25
+youngs_modulus_mpa = 3000
+mu = 0.3
+preston_per_pa = 1.5e-10
+[process.brush.path]
+file = '{}'
+work_xyz_mm = [1000, -30, 400]
+tool_xyz_mm = [0, 0, 57]
+spin_deg = 90
+[process.brush.workpiece]
+mesh = "out/plate/part.stl"
+xyz_mm = [1000, -36, 420]
+[[process.brush.edge]]
+points_mm = {points:?}
+burr_height_mm = 0.15
+burr_thickness_mm = 0.05
+"#,
+        asset("assets/robots/hp20/robot.urdf"),
+        asset("scenarios/finishing/block_edge.nc"),
+    );
+    std::fs::write(desk.path("brushed.toml"), scenario).unwrap();
+    desk.ends(0, &["run", "brushed.toml"]);
+    let summary = self::summary(&desk, "brushed");
+    assert_eq!(summary.metrics["brush.burred_length"], Some(0.0));
+}
+
+/// Down into full stock at 10 mm/s, 0.025 mm a tooth, and up again: thrust and torque of two ends,
+/// and a round hole.
+#[test]
+fn a_plunge_has_the_thrust_of_its_ends() {
+    let desk = Desk::new();
+    let way = "%\nG21 G90 G94 G17\nG0 X30. Y15. Z1.\nG61\nG1 Z-3. F600.\nG0 Z5.\nM30\n%\n";
+    let summary = mill(&desk, "plunge", way, "centre_cutting = true");
+    let found = |name: &str| summary.metrics[&format!("path_milling.{name}")].unwrap();
+    let (radius_m, chip_m) = (6e-3_f64, 25e-6);
+    let thrust_n = 2.0 * 200e6 * chip_m * radius_m;
+    let torque_n_m = 600e6 * chip_m * radius_m * radius_m;
+    let hole_m3 = std::f64::consts::PI * radius_m * radius_m * 3e-3;
+    let near = |found: f64, expected: f64, by: f64| {
+        assert!((found / expected - 1.0).abs() < by, "{found} {expected}");
+    };
+    // The arm gives way, and swings as the cut begins.
+    near(found("largest_force"), thrust_n, 0.1);
+    near(found("largest_torque"), torque_n_m, 0.1);
+    near(found("stock_removed"), hole_m3, 0.01);
+    near(found("chip_volume"), hole_m3, 0.02);
+    part_without_defects(&desk, "plunge");
+}
