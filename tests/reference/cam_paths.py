@@ -19,7 +19,10 @@ PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
 
 @dataclass
 class Piece:
-    """A line, or an arc of `sweep` rad about `centre` in the plane of the axes `first` and `second`."""
+    """A line, or an arc of `sweep` rad about `centre` in the plane of the axes `first` and `second`.
+
+    Files round their centres, so that the radii at both ends differ: between them it grows evenly with the angle.
+    """
 
     line: int
     start: np.ndarray
@@ -34,9 +37,10 @@ class Piece:
         """The exact place at a share of the way."""
         if self.centre is None:
             return self.start + share * (self.end - self.start)
-        spoke = self.start - self.centre
+        spoke, last = self.start - self.centre, self.end - self.centre
         angle = math.atan2(spoke @ self.second, spoke @ self.first) + share * self.sweep
-        radius = math.hypot(spoke @ self.first, spoke @ self.second)
+        begin, close = (math.hypot(at @ self.first, at @ self.second) for at in (spoke, last))
+        radius = begin + share * (close - begin)
         normal = np.cross(self.first, self.second)
         rise = normal * (normal @ (self.start - self.centre) + share * (normal @ (self.end - self.start)))
         return self.centre + radius * (math.cos(angle) * self.first + math.sin(angle) * self.second) + rise
