@@ -121,7 +121,7 @@ fn page(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], figure:
     page
 }
 
-/// Most rows of a table that a page lists: `sweep.csv` has all.
+/// Most rows of a table that a page or a terminal lists: `sweep.csv` has all.
 const MOST_ROWS: usize = 1000;
 
 /// Most rows of a sweep that draws them which are printed: how they spread says more.
@@ -140,10 +140,12 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
         text::notes(scenario.notes()),
         text::notes(estimates(scenario, &Robots::new()).ok().flatten()),
     );
-    for row in 0..table.rows.len() {
-        if let Some(why) = table.fault(row) {
-            text.push_str(&format!("\n  ✗ {}: {why}\n", table.row_name(row)));
-        }
+    let faults = (0..table.rows.len()).filter_map(|row| Some((row, table.fault(row)?)));
+    for (row, why) in faults.clone().take(MOST_ROWS) {
+        text.push_str(&format!("\n  ✗ {}: {why}\n", table.row_name(row)));
+    }
+    if let more @ 1.. = faults.skip(MOST_ROWS).count() {
+        text.push_str(&format!("\n  ✗ and {more} rows more, in sweep.csv\n"));
     }
     if table.rows.iter().flatten().any(|value| value.is_nan()) {
         text.push_str(
@@ -161,11 +163,12 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
     text
 }
 
-/// All rows.
+/// The rows, as many as one reads.
 fn listed(table: &SweepTable) -> String {
     let headings = table.columns.iter().map(heading);
     let head = headings.chain([SWEEP_OUTCOME.to_owned()]).collect();
-    let rows = table.rows.iter().enumerate().map(|(index, row)| {
+    let rows = table.rows.iter().enumerate().take(MOST_ROWS);
+    let rows = rows.map(|(index, row)| {
         let cells = table.columns.iter().zip(row);
         let cells = cells.map(|(column, value)| cell(column, *value));
         let outcome = match &table.faults[index] {
@@ -177,7 +180,14 @@ fn listed(table: &SweepTable) -> String {
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();
     let mut aligns = vec![Align::Right; table.columns.len()];
     aligns.push(Align::Left);
-    text::table(&aligns, &rows)
+    let mut text = text::table(&aligns, &rows);
+    let count = table.rows.len();
+    if count > MOST_ROWS {
+        text.push_str(&format!(
+            "\n  the first {MOST_ROWS} of {count} rows: all are in sweep.csv\n"
+        ));
+    }
+    text
 }
 
 fn cell(column: &Column, value: f64) -> String {

@@ -1,6 +1,5 @@
 //! One combination of a sweep's values, run alone.
 
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -74,26 +73,37 @@ impl SweepRow {
 
 /// All jobs of a scenario's sweep in rapier, in the order of its rows; none without a sweep.
 pub fn jobs(scenario: &Scenario) -> Vec<Job> {
+    let jobs = Jobs::of(scenario, Engine::Rapier);
     let count = scenario.sweep.as_ref().map_or(0, SweepSpec::count);
-    jobs_of(scenario, Engine::Rapier, 0..count)
+    (0..count).map(|row| jobs.job(row)).collect()
 }
 
-/// Those of some rows; all lie below [`SweepSpec::count`].
-pub(super) fn jobs_of(scenario: &Scenario, engine: Engine, rows: Range<usize>) -> Vec<Job> {
-    let Some(sweep) = &scenario.sweep else {
-        return Vec::new();
-    };
-    let keys = || sweep.axes.iter().map(|axis| axis.key.clone());
-    let (shared, spec) = (Arc::new(scenario.clone()), Arc::new(sweep.clone()));
-    let job = |row| Job {
-        scenario: Arc::clone(&shared),
-        sweep: Arc::clone(&spec),
-        engine,
-        overrides: keys()
-            .zip(sweep.values(row).into_iter().map(number))
-            .collect(),
-    };
-    rows.map(job).collect()
+/// The jobs of a sweep, each made when it is asked for: as texts, all of them take more memory than
+/// the table of their results.
+pub(super) struct Jobs(Option<Job>);
+
+impl Jobs {
+    pub fn of(scenario: &Scenario, engine: Engine) -> Jobs {
+        Jobs(scenario.sweep.as_ref().map(|sweep| Job {
+            scenario: Arc::new(scenario.clone()),
+            sweep: Arc::new(sweep.clone()),
+            engine,
+            overrides: Vec::new(),
+        }))
+    }
+
+    /// The job of a row below [`SweepSpec::count`].
+    ///
+    /// # Panics
+    /// If there is no sweep.
+    pub fn job(&self, row: usize) -> Job {
+        let mut job = self.0.clone().expect("a sweep");
+        let keys = job.sweep.axes.iter().map(|axis| axis.key.clone());
+        job.overrides = keys
+            .zip(job.sweep.values(row).into_iter().map(number))
+            .collect();
+        job
+    }
 }
 
 /// A number as TOML reads it back, to the last bit. Whole numbers stay whole for keys that count.

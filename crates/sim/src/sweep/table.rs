@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use truecut_recording::{Outcome, UserUnit, short_number};
 use truecut_scenario::{Scenario, SweepSpec};
 
-use super::job::{Fault, Job, SweepRow, jobs_of, run_job_until};
+use super::job::{Fault, Job, Jobs, SweepRow, run_job_until};
 use crate::engine::Engine;
 use crate::run::{Run, RunError};
 
@@ -144,15 +144,15 @@ impl<'a> Sweep<'a> {
         run.check()?;
         let columns = columns(self.scenario);
         let asked = self.asked()?;
-        let jobs = jobs_of(self.scenario, self.engine, asked.clone());
+        let jobs = Jobs::of(self.scenario, self.engine);
         let parts = Parts {
             progress: self.progress,
-            count: jobs.len() as f64,
+            count: asked.len() as f64,
             done: Mutex::new(0.0),
         };
-        let rows = asked.into_par_iter().zip(&jobs);
+        let rows = asked.into_par_iter();
         let rows = rows
-            .map(|(index, job)| self.row(index, job, &columns, &parts))
+            .map(|index| self.row(index, &jobs.job(index), &columns, &parts))
             .collect::<Result<Vec<TableRow>, RunError>>()?;
         Ok(SweepTable::of(self.scenario, rows))
     }
