@@ -171,7 +171,21 @@ fn what_takes_more_memory_than_may_be_used_is_refused_beforehand() {
         desk.refused(arguments, parts);
         assert!(files(&desk.path("out/swing")) == earlier);
     };
-    let longer = "run.duration_s=5";
+    // All channels of so many rows take 32 MB, their times 1.6 MB.
+    let longer = "run.duration_s=50";
+    desk.ends(0, &["run", "swing.toml", "--set", longer, "--out", "all"]);
+    let within = ["--max-memory", "2M", "--out", "within"];
+    desk.ends(
+        0,
+        &[&["run", "swing.toml", "--set", longer][..], &within[..]].concat(),
+    );
+    for name in ["recording.parquet", "summary.json"] {
+        let [all, within] = ["all", "within"].map(|out| desk.path(&format!("{out}/swing/{name}")));
+        assert!(
+            std::fs::read(all).unwrap() == std::fs::read(within).unwrap(),
+            "{name}"
+        );
+    }
     refused(
         &["run", "swing.toml", "--set", longer, "--max-memory", "100k"],
         &[
@@ -236,7 +250,10 @@ fn a_long_run_tells_beforehand_what_it_takes() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(told.contains(" steps, 300001 rows of "), "{told}");
-    assert!(told.contains("MB in memory, and on the disk"), "{told}");
+    assert!(
+        told.contains("MB on the disk while it runs, 2.4 MB in memory"),
+        "{told}"
+    );
 }
 
 /// A scalar that the run has not is known after it only: what it cost to compute stays.

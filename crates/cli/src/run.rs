@@ -9,7 +9,7 @@ use truecut::data;
 use truecut::outputs::{Outputs, PART, PART_ERROR, size};
 use truecut_recording::{Outcome, SinkError, Unit};
 use truecut_scenario::Scenario;
-use truecut_sim::run::{Extent, Finished, Run, RunError, Runs};
+use truecut_sim::run::{Extent, Finished, Keep, Run, RunError, Runs};
 
 use crate::args::RunArguments;
 use crate::exit_status::ExitStatus;
@@ -80,6 +80,7 @@ fn run_one(
         measured: measured.as_ref(),
         read_data: Some(data::replayed),
         references: Some(runs),
+        keep: Keep::Judged,
         sinks: outputs.sinks(),
         progress: &|part| progress.set(part),
         before: &|extent| may_begin(scenario, &outputs, extent),
@@ -99,7 +100,7 @@ fn run_one(
     if let Some(part) = &finished.part {
         outputs.write_part(part)?;
     }
-    outputs.write_report(&report::html(scenario, &finished))?;
+    outputs.write_report(&report::html(scenario, &finished, &outputs.rows()?)?)?;
     outputs.finish(&finished.recording, &finished.claims)?;
     let status = ExitStatus::of_run(&finished.recording.outcome, &finished.claims);
     Ok((printed(scenario, &finished, &outputs), status))
@@ -110,12 +111,13 @@ fn may_begin(scenario: &Scenario, outputs: &Outputs, extent: &Extent) -> Result<
     outputs.check_room(extent)?;
     if extent.steps >= MANY_STEPS || extent.bytes() >= MANY_BYTES {
         eprintln!(
-            "  {}: {} steps, {} rows of {} channels: {} in memory, and on the disk while it runs",
+            "  {}: {} steps, {} rows of {} channels: {} on the disk while it runs, {} in memory",
             scenario.name,
             extent.steps,
             extent.rows,
             extent.channels,
-            size(extent.bytes())
+            size(extent.bytes()),
+            size(extent.memory_bytes())
         );
     }
     Ok(())

@@ -92,13 +92,15 @@ fn page(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], figure:
     page
 }
 
-/// Most rows of a table that a page lists: `sweep.csv` has all.
+/// Most rows of a table that a page or a terminal lists: `sweep.csv` has all.
 const MOST_ROWS: usize = 1000;
 
 fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg: &Path) -> String {
     let headings = table.columns.iter().map(heading);
     let head = headings.chain([SWEEP_OUTCOME.to_owned()]).collect();
-    let rows = table.rows.iter().enumerate().map(|(index, row)| {
+    let count = table.rows.len();
+    let rows = table.rows.iter().enumerate().take(MOST_ROWS);
+    let rows = rows.map(|(index, row)| {
         let cells = table.columns.iter().zip(row);
         let cells = cells.map(|(column, value)| cell(column, *value));
         let outcome = match &table.faults[index] {
@@ -118,10 +120,17 @@ fn printed(scenario: &Scenario, table: &SweepTable, claims: &[ClaimResult], svg:
         text::notes(estimates(scenario, &Robots::new()).ok().flatten()),
         text::table(&aligns, &rows)
     );
-    for row in 0..table.rows.len() {
-        if let Some(why) = table.fault(row) {
-            text.push_str(&format!("\n  ✗ {}: {why}\n", table.row_name(row)));
-        }
+    if count > MOST_ROWS {
+        text.push_str(&format!(
+            "\n  the first {MOST_ROWS} of {count} rows: all are in sweep.csv\n"
+        ));
+    }
+    let faults = (0..count).filter_map(|row| Some((row, table.fault(row)?)));
+    for (row, why) in faults.clone().take(MOST_ROWS) {
+        text.push_str(&format!("\n  ✗ {}: {why}\n", table.row_name(row)));
+    }
+    if let more @ 1.. = faults.skip(MOST_ROWS).count() {
+        text.push_str(&format!("\n  ✗ and {more} rows more, in sweep.csv\n"));
     }
     if table.rows.iter().flatten().any(|value| value.is_nan()) {
         text.push_str(

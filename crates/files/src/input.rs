@@ -24,6 +24,15 @@ pub fn open(path: &Path) -> Result<File> {
     Ok(file)
 }
 
+/// Opens for reading what this program has just written itself, and reads in parts: it is no input,
+/// and no limit is held against its size.
+///
+/// # Errors
+/// A file that is not there or cannot be opened.
+pub fn open_own(path: &Path) -> Result<File> {
+    File::open(path)
+}
+
 /// The bytes of a file.
 ///
 /// # Errors

@@ -84,8 +84,8 @@ pub fn continued(path: &Path) -> io::Result<File> {
     options.create_new(true).open(path)
 }
 
-/// A file to write at once under its name, in place of what has that name. A link of that name is
-/// replaced, what it leads to stays.
+/// A file to write at once under its name, in place of what has that name, and to read what was
+/// written. A link of that name is replaced, what it leads to stays.
 ///
 /// # Errors
 /// A name that cannot be given.
@@ -95,6 +95,8 @@ pub fn fresh(path: &Path) -> io::Result<File> {
     }
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => File::options().write(true).create_new(true).open(path),
+        _ => (File::options().read(true).write(true))
+            .create_new(true)
+            .open(path),
     }
 }

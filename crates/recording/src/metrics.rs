@@ -51,6 +51,14 @@ impl Metric {
 }
 
 impl MetricSpec {
+    /// The channels that it is taken from; none of a scalar.
+    pub fn channels(&self) -> &[String] {
+        match self {
+            MetricSpec::Scalar { .. } => &[],
+            MetricSpec::Reduced { channels, .. } => channels,
+        }
+    }
+
     /// Whether the metric can be taken from a recording with these channels, and the unit it will
     /// have. A scalar exists only after the run, so its unit is `None` here.
     ///

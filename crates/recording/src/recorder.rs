@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::claims::ClaimResult;
-use crate::recording::{Header, Outcome, Profile, Recording, Scalar};
+use crate::recording::{ChannelSpec, Header, Outcome, Profile, Recording, Scalar};
 use crate::scene::Frame;
 use crate::sink::{Chunk, Sink, SinkError};
 
@@ -32,15 +32,22 @@ impl Default for Pace {
     }
 }
 
-/// Buffers rows, sends them to the sinks in chunks, and keeps them all for the metrics.
+/// Buffers rows, sends them to the sinks in chunks, and keeps them for the metrics: all channels,
+/// or those of [`Recorder::keep_only`].
 ///
 /// What it returns in the end does not depend on the pace, hence not on the speed of the machine.
 pub struct Recorder {
+    /// What the sinks were told; the header of `recording` has the channels that are kept.
+    channels: Vec<ChannelSpec>,
     recording: Recording,
+    /// For each column of the recording the channel that it is of.
+    kept: Vec<usize>,
+    /// Rows that have not left yet, of all channels.
+    waiting_time_s: Vec<f64>,
+    waiting: Vec<Vec<f64>>,
     frames: Vec<Frame>,
     sinks: Vec<Box<dyn Sink + Send>>,
     pace: Pace,
-    sent_rows: usize,
     next_frame_s: f64,
     last_chunk: Instant,
 }
@@ -66,8 +73,13 @@ impl Recorder {
         for sink in &mut sinks {
             sink.begin(&header)?;
         }
-        let columns = vec![Vec::new(); header.channels.len()];
+        let channels = header.channels.clone();
+        let columns = vec![Vec::new(); channels.len()];
         Ok(Recorder {
+            kept: (0..channels.len()).collect(),
+            waiting_time_s: Vec::new(),
+            waiting: columns.clone(),
+            channels,
             recording: Recording {
                 header,
                 columns,
@@ -76,10 +88,19 @@ impl Recorder {
             frames: Vec::new(),
             sinks,
             pace,
-            sent_rows: 0,
             next_frame_s: f64::NEG_INFINITY,
             last_chunk: Instant::now(),
         })
+    }
+
+    /// Keeps no other channels than these: the recording in the end has them alone, while the sinks
+    /// take all. What is named and not there is left out. Before the first row.
+    pub fn keep_only(&mut self, names: &[String]) {
+        let is_kept = |channel: &usize| names.contains(&self.channels[*channel].name);
+        self.kept = (0..self.channels.len()).filter(is_kept).collect();
+        let specs = self.kept.iter().map(|at| self.channels[*at].clone());
+        self.recording.header.channels = specs.collect();
+        self.recording.columns = vec![Vec::new(); self.kept.len()];
     }
 
     /// Makes room for so many rows, to spare growing.
@@ -101,7 +122,7 @@ impl Recorder {
     pub fn push_row(&mut self, time_s: f64, values: &[f64]) -> Result<(), SinkError> {
         assert_eq!(
             values.len(),
-            self.recording.columns.len(),
+            self.waiting.len(),
             "one value for each channel"
         );
         // The row that reaches the limit opens the next chunk, so that no chunk spans more than the
@@ -109,19 +130,19 @@ impl Recorder {
         if self.chunk_is_due(time_s) {
             self.send_chunk()?;
         }
-        self.recording.time_s.push(time_s);
-        for (column, value) in self.recording.columns.iter_mut().zip(values) {
+        self.waiting_time_s.push(time_s);
+        for (column, value) in self.waiting.iter_mut().zip(values) {
             column.push(*value);
         }
         Ok(())
     }
 
     fn chunk_is_due(&self, time_s: f64) -> bool {
-        let waiting = self.recording.time_s.len() - self.sent_rows;
-        waiting > 0
-            && (waiting >= self.pace.chunk_rows
-                || time_s - self.recording.time_s[self.sent_rows] >= self.pace.chunk_simulated_s
-                || self.last_chunk.elapsed() >= self.pace.chunk_wall)
+        self.waiting_time_s.first().is_some_and(|first_s| {
+            self.waiting_time_s.len() >= self.pace.chunk_rows
+                || time_s - first_s >= self.pace.chunk_simulated_s
+                || self.last_chunk.elapsed() >= self.pace.chunk_wall
+        })
     }
 
     /// Whether a frame at this time would be kept; ask before computing one.
@@ -180,15 +201,9 @@ impl Recorder {
     }
 
     fn send_chunk(&mut self) -> Result<(), SinkError> {
-        let from = self.sent_rows;
         let chunk = Chunk {
-            time_s: &self.recording.time_s[from..],
-            columns: self
-                .recording
-                .columns
-                .iter()
-                .map(|column| &column[from..])
-                .collect(),
+            time_s: &self.waiting_time_s,
+            columns: self.waiting.iter().map(Vec::as_slice).collect(),
             frames: &self.frames,
         };
         if !(chunk.time_s.is_empty() && chunk.frames.is_empty()) {
@@ -196,7 +211,14 @@ impl Recorder {
                 sink.chunk(&chunk)?;
             }
         }
-        self.sent_rows = self.recording.time_s.len();
+        self.recording
+            .time_s
+            .extend_from_slice(&self.waiting_time_s);
+        for (column, from) in self.recording.columns.iter_mut().zip(&self.kept) {
+            column.extend_from_slice(&self.waiting[*from]);
+        }
+        self.waiting_time_s.clear();
+        self.waiting.iter_mut().for_each(Vec::clear);
         self.frames.clear();
         self.last_chunk = Instant::now();
         Ok(())

@@ -31,7 +31,8 @@ pub trait Sink {
     /// What cannot be written.
     fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), SinkError>;
 
-    /// After the last row, with everything that the run computed.
+    /// After the last row, with everything that the run computed. The recording has the times of
+    /// all rows, but columns of those channels alone that the run keeps: all were in the chunks.
     ///
     /// # Errors
     /// What cannot be written.

@@ -18,8 +18,13 @@ pub struct SweepSpec {
 }
 
 impl SweepSpec {
+    /// Metrics of the columns and of the search.
+    pub fn metrics(&self) -> impl Iterator<Item = &MetricSpec> {
+        self.metrics_at().map(|(_, metric, _)| metric)
+    }
+
     /// Metrics of the columns and of the search, with their units and the paths of their tables.
-    pub(crate) fn metrics(&self) -> impl Iterator<Item = (String, &MetricSpec, &UserUnit)> {
+    pub(crate) fn metrics_at(&self) -> impl Iterator<Item = (String, &MetricSpec, &UserUnit)> {
         let columns = self.columns.iter().enumerate();
         let columns =
             columns.map(|(index, one)| (format!("sweep.column.{index}"), &one.metric, &one.unit));

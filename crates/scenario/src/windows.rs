@@ -16,7 +16,7 @@ pub(crate) fn metrics<'a>(
 ) -> impl Iterator<Item = (String, &'a MetricSpec)> {
     let claims = claims.iter().enumerate();
     let claims = claims.map(|(index, claim)| (format!("claim.{index}"), &claim.metric));
-    let columns = sweep.into_iter().flat_map(SweepSpec::metrics);
+    let columns = sweep.into_iter().flat_map(SweepSpec::metrics_at);
     claims.chain(columns.map(|(table, metric, _)| (table, metric)))
 }
 

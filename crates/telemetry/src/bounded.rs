@@ -24,7 +24,15 @@ pub(crate) struct Bounded {
 impl Bounded {
     /// A file whose sizes and counts are looked at.
     pub(crate) fn open(path: &Path) -> std::result::Result<Builder, Reason> {
-        let mut file = truecut_files::open(path)?;
+        Bounded::of(truecut_files::open(path)?)
+    }
+
+    /// The same of a file that this program wrote.
+    pub(crate) fn open_own(path: &Path) -> std::result::Result<Builder, Reason> {
+        Bounded::of(truecut_files::open_own(path)?)
+    }
+
+    fn of(mut file: File) -> std::result::Result<Builder, Reason> {
         let length = file.metadata()?.len();
         footer::check(&mut file, length)?;
         let mut pages = file.try_clone()?;

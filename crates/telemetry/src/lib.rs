@@ -72,6 +72,7 @@ mod log;
 mod pages;
 mod parquet_file;
 mod rrd;
+mod stored;
 mod table;
 mod tables;
 mod thrift;
@@ -85,5 +86,6 @@ pub use rrd::{
     BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, FaceShown, PartShown, PlanShown,
     PlanStation, RrdSink, write_before_after, write_charts, write_part, write_plan,
 };
+pub use stored::StoredRows;
 pub use table::record_batch;
 pub use tables::{read_table, read_tables};

@@ -358,7 +358,7 @@ pub use outputs::Outputs;
 pub use predictions::KeptModel;
 pub use staged::Staged;
 pub use truecut_scenario::Scenario;
-pub use truecut_sim::run::{Claims, Engine, Finished, Run, RunError, Runs};
+pub use truecut_sim::run::{Claims, Engine, Finished, Keep, Run, RunError, Runs};
 pub use truecut_sim::sweep::{Sweep, SweepTable, sweep};
 
 /// Libraries whose types are part of the interface, in the versions that it uses.

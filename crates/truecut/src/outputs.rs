@@ -1,6 +1,7 @@
 //! The files of a run: recording, stream, viewer's file and summary, in a folder named like the
 //! scenario.
 
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,8 @@ use truecut_scenario::Scenario;
 use truecut_sim::run::{Extent, RunError};
 use truecut_sim::sweep::SweepTable;
 use truecut_telemetry::{
-    Background, Column, FileError, IpcSink, ParquetSink, Reason, RrdSink, Values, write_columns,
+    Background, Column, FileError, IpcSink, ParquetSink, Reason, RrdSink, StoredRows, Values,
+    write_columns,
 };
 
 use crate::maps::{MAP_MESH, MAP_TABLE, MAP_TEXT, MapSink};
@@ -177,6 +179,14 @@ impl Outputs {
         write_file(&self.files.path(PART_ERROR), &part.to_ply())
     }
 
+    /// The rows of a run whose sinks have taken them, a channel at a time.
+    ///
+    /// # Errors
+    /// A Parquet file that cannot be read: none of [`Outputs::sinks`] was closed.
+    pub fn rows(&self) -> Result<StoredRows, FileError> {
+        StoredRows::open(&self.files.path(RECORDING))
+    }
+
     /// Writes `run.html`.
     ///
     /// # Errors
@@ -250,14 +260,13 @@ pub(crate) fn publish_sweep(
     let columns: Vec<Column<'_>> = results.chain([outcome]).collect();
     write_columns(&files.path(SWEEP), &columns, &scenario.effective_text())?;
     let text = files.path(SWEEP_TEXT);
-    let bytes = sweep_csv(table).map_err(|error| failed(&text, error))?;
-    write_file(&text, &bytes)?;
+    write_whole(&text, |file| sweep_csv(table, file)).map_err(|error| failed(&text, error))?;
     files.publish(&[&[SWEEP_TEXT], served, &[SWEEP]].concat())?;
     Ok(files.folder().join(SWEEP))
 }
 
-fn sweep_csv(table: &SweepTable) -> std::io::Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
+fn sweep_csv(table: &SweepTable, file: &mut File) -> std::io::Result<()> {
+    let mut writer = csv::Writer::from_writer(file);
     let names = table
         .columns
         .iter()
@@ -274,7 +283,7 @@ fn sweep_csv(table: &SweepTable) -> std::io::Result<Vec<u8>> {
         let outcome = table.fault(index).unwrap_or("completed").to_owned();
         writer.write_record(fields.chain([outcome]))?;
     }
-    writer.into_inner().map_err(csv::IntoInnerError::into_error)
+    writer.flush()
 }
 
 /// Writes a file, and makes its folder. What the file held stays until the new content is on the

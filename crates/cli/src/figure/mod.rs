@@ -165,10 +165,14 @@ impl Figure {
 
 /// At most `count` points of a curve over ascending x: minimum and maximum of each interval.
 pub fn thinned(points: impl Points, count: usize) -> Vec<(f64, f64)> {
-    let all: Vec<(f64, f64)> = points.into_iter().collect();
-    let stretch = (2 * all.len()).div_ceil(count.max(2)).max(1);
+    let mut points = points.into_iter();
+    let len = match points.size_hint() {
+        (least, Some(most)) if least == most => least,
+        _ => return thinned(points.collect::<Vec<_>>(), count),
+    };
+    let stretch = (2 * len).div_ceil(count.max(2)).max(1);
     if stretch <= 2 {
-        return all;
+        return points.collect();
     }
     let ends = |part: &[(f64, f64)]| {
         let pick = |worse: fn(f64, f64) -> bool| {
@@ -191,7 +195,17 @@ pub fn thinned(points: impl Points, count: usize) -> Vec<(f64, f64)> {
             .chain(gap.copied())
             .collect::<Vec<_>>()
     };
-    all.chunks(stretch).flat_map(ends).collect()
+    // Interval by interval: of a long run all points would take more than its rows.
+    let mut kept = Vec::new();
+    let mut part = Vec::with_capacity(stretch);
+    loop {
+        part.clear();
+        part.extend(points.by_ref().take(stretch));
+        if part.is_empty() {
+            return kept;
+        }
+        kept.extend(ends(&part));
+    }
 }
 
 /// Largest size of the values that are finite, 0 without any.

@@ -1,16 +1,21 @@
 //! A run as a page: claims, results, assumptions, and its channels as curves.
 
 use maud::{Markup, html};
-use truecut_recording::{ChannelSpec, Outcome, Profile, Recording, Unit, UserUnit};
+use truecut_recording::{ChannelSpec, Outcome, Profile, Unit, UserUnit};
 use truecut_scenario::Scenario;
 use truecut_sim::run::Finished;
+use truecut_telemetry::{FileError, StoredRows};
 
 use crate::figure::{Figure, Layer, Legend, Panel, largest, thinned};
 use crate::page::{self, MOST_POINTS, Page};
 use crate::text;
 
-/// The page.
-pub fn html(scenario: &Scenario, finished: &Finished) -> String {
+/// The page; the channels are read one by one from what is on the disk.
+pub fn html(
+    scenario: &Scenario,
+    finished: &Finished,
+    rows: &StoredRows,
+) -> Result<String, FileError> {
     let Finished {
         recording, claims, ..
     } = finished;
@@ -32,16 +37,32 @@ pub fn html(scenario: &Scenario, finished: &Finished) -> String {
     page.text(page::claims("Claims", claims));
     page.text(page::notes(&recording.header.notes));
     page.text(page::scalars(&recording.scalars));
-    page.figures("Channels", channels(recording));
-    page.text(still(recording));
+    let looks = (0..rows.header().channels.len()).map(|channel| Look::at(rows, channel));
+    let looks = looks.collect::<Result<Vec<_>, _>>()?;
+    page.figures("Channels", channels(&recording.time_s, rows, &looks)?);
+    page.text(still(&rows.header().channels, &looks));
     page.figures("Profiles", profiles(&recording.profiles));
     page.text(page::reproduce("truecut run", scenario));
-    page.html()
+    Ok(page.html())
 }
 
-/// Whether a column has more than one value.
-fn moves(column: &[f64]) -> bool {
-    column.windows(2).any(|pair| pair[0] != pair[1])
+/// What is asked of a channel before it is drawn.
+struct Look {
+    first: Option<f64>,
+    /// Whether it has more than one value.
+    moves: bool,
+    largest: f64,
+}
+
+impl Look {
+    fn at(rows: &StoredRows, channel: usize) -> Result<Look, FileError> {
+        let column = rows.column(channel)?;
+        Ok(Look {
+            first: column.first().copied(),
+            moves: column.windows(2).any(|pair| pair[0] != pair[1]),
+            largest: largest(column.into_iter()),
+        })
+    }
 }
 
 /// What channels of one kind have in common: their names without the numbers of joints and the
@@ -60,10 +81,10 @@ fn kind(name: &str) -> String {
 }
 
 /// Panels of channels that belong together, a figure for each part of the cell.
-fn channels(recording: &Recording) -> Vec<Figure> {
+fn channels(time_s: &[f64], rows: &StoredRows, looks: &[Look]) -> Result<Vec<Figure>, FileError> {
     let mut kinds: Vec<(String, Unit, Vec<usize>)> = Vec::new();
-    for (index, spec) in recording.header.channels.iter().enumerate() {
-        if !moves(&recording.columns[index]) {
+    for (index, spec) in rows.header().channels.iter().enumerate() {
+        if !looks[index].moves {
             continue;
         }
         let kind = kind(&spec.name);
@@ -78,7 +99,9 @@ fn channels(recording: &Recording) -> Vec<Figure> {
     let mut figures: Vec<Figure> = Vec::new();
     for (kind, unit, members) in &kinds {
         let part = kind.split('.').next().unwrap_or(kind);
-        let panel = panel(recording, *unit, members);
+        let sizes = members.iter().map(|index| looks[*index].largest);
+        let unit = text::reading_unit(*unit, sizes.fold(0.0, f64::max));
+        let panel = panel(time_s, rows, &unit, members)?;
         match figures.iter_mut().find(|figure| figure.title == part) {
             Some(figure) => figure.panels.push(panel),
             None => figures.push(Figure {
@@ -89,29 +112,32 @@ fn channels(recording: &Recording) -> Vec<Figure> {
             }),
         }
     }
-    figures
+    Ok(figures)
 }
 
-fn panel(recording: &Recording, unit: Unit, members: &[usize]) -> Panel {
-    let values = members.iter().flat_map(|index| &recording.columns[*index]);
-    let unit = text::reading_unit(unit, largest(values.copied()));
-    let specs: Vec<&ChannelSpec> = members
-        .iter()
-        .map(|index| &recording.header.channels[*index])
-        .collect();
+fn panel(
+    time_s: &[f64],
+    rows: &StoredRows,
+    unit: &UserUnit,
+    members: &[usize],
+) -> Result<Panel, FileError> {
+    let all = &rows.header().channels;
+    let specs: Vec<&ChannelSpec> = members.iter().map(|index| &all[*index]).collect();
     let title = match &specs[..] {
         [only] => only.description.clone(),
         [first, ..] => format!("{} (and the like)", first.description),
         [] => String::new(),
     };
-    let layers = members.iter().enumerate().map(|(colour, index)| {
-        let values = recording.columns[*index].iter();
-        let values = values.map(|value| unit.from_si(*value));
-        let points = recording.time_s.iter().copied().zip(values);
-        let name = &recording.header.channels[*index].name;
-        Layer::line(name, thinned(points, MOST_POINTS), colour)
-    });
-    Panel::new(title, "time [s]", in_brackets(&unit), layers.collect())
+    let layer = |(colour, index): (usize, &usize)| {
+        let column = rows.column(*index)?;
+        let values = column.iter().map(|value| unit.from_si(*value));
+        let points = time_s.iter().copied().zip(values);
+        let name = &all[*index].name;
+        Ok(Layer::line(name, thinned(points, MOST_POINTS), colour))
+    };
+    let layers = members.iter().enumerate().map(layer);
+    let layers = layers.collect::<Result<Vec<_>, FileError>>()?;
+    Ok(Panel::new(title, "time [s]", in_brackets(unit), layers))
 }
 
 /// `[mm]`; nothing without a unit.
@@ -123,12 +149,12 @@ fn in_brackets(unit: &UserUnit) -> String {
 }
 
 /// Channels that have one value all along.
-fn still(recording: &Recording) -> Markup {
-    let channels = recording.header.channels.iter().zip(&recording.columns);
+fn still(channels: &[ChannelSpec], looks: &[Look]) -> Markup {
+    let channels = channels.iter().zip(looks);
     let rows = channels
-        .filter(|(_, column)| !moves(column))
-        .filter_map(|(spec, column)| {
-            let value = text::show(spec.unit, *column.first()?);
+        .filter(|(_, look)| !look.moves)
+        .filter_map(|(spec, look)| {
+            let value = text::show(spec.unit, look.first?);
             Some(html! { td { (spec.name) } td.n { (value) } td { (spec.description) } })
         });
     page::table(

@@ -215,3 +215,32 @@ fn a_run_without_sinks_asks_for_no_frames() {
     let recorder = Recorder::new(header(), Vec::new()).unwrap();
     assert!(!recorder.frame_is_due(0.0));
 }
+
+/// Sinks have every channel of every row, the recording those that are kept.
+#[test]
+fn channels_that_are_not_kept_leave_with_their_chunk() {
+    let mut header = header();
+    (header.channels).push(ChannelSpec::new("tool.position_y", Unit::Metre, ""));
+    let log = Log::default();
+    let mut recorder = Recorder::with_pace(header, vec![Box::new(log.clone())], PATIENT).unwrap();
+    recorder.keep_only(&["tool.position_y".to_owned(), "not.there".to_owned()]);
+    recorder.reserve(2500);
+    for row in 0..2500 {
+        let value = f64::from(row);
+        recorder.push_row(1e-3 * value, &[value, -value]).unwrap();
+    }
+    let (recording, sinks) = recorder
+        .finish(Vec::new(), Vec::new(), Outcome::Completed)
+        .unwrap();
+    sinks.close(&recording, &[]).unwrap();
+    let left: Vec<f64> = (log.chunks().into_iter())
+        .flat_map(|(_, values, _)| values)
+        .collect();
+    let expected: Vec<f64> = (0..2500).map(f64::from).collect();
+    assert_eq!(left, expected);
+    assert_eq!(recording.time_s.len(), 2500);
+    assert_eq!(recording.header.channels.len(), 1);
+    let kept: Vec<f64> = expected.iter().map(|value| -value).collect();
+    assert_eq!(recording.channel("tool.position_y").unwrap(), kept);
+    assert!(recording.channel("tool.position_x").is_err());
+}

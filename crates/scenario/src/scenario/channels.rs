@@ -27,7 +27,7 @@ impl Scenario {
                 }
             }
         }
-        let columns = self.sweep.iter().flat_map(SweepSpec::metrics);
+        let columns = self.sweep.iter().flat_map(SweepSpec::metrics_at);
         for (table, metric, unit) in columns {
             faults.extend(self.metric_fault(&table, metric, unit, header));
         }

@@ -148,10 +148,11 @@ impl Cell {
             steps: self.steps,
             rows: self.steps / self.steps_per_row + 1,
             channels: self.channels.len(),
+            kept: self.channels.len(),
         }
     }
 
-    /// A recording is held in memory as a whole.
+    /// A recording of hours at full rate is a slip more often than it is wanted.
     fn check_memory(&self, scenario: &Scenario) -> Result<(), SimError> {
         let extent = self.extent();
         let (rows, channels) = (extent.rows, extent.channels);
@@ -166,7 +167,7 @@ impl Cell {
         ];
         let key = keys.into_iter().find(|key| scenario.gives(key));
         let unit = if scenario.process.facts().replays {
-            ", or, if the times of the data are not in seconds, say so with data.time_unit"
+            ", or, if the data's times are milliseconds, say so, data.time_unit = \"ms\" (now seconds are read)"
         } else {
             ""
         };
@@ -174,7 +175,7 @@ impl Cell {
             key.unwrap_or("process"),
             format!(
                 "the recording would have {rows} rows of {channels} channels, {:.1} GB, but must be at most \
-                 {:.0} GB: it is held in memory; raise run.record_interval_ms (a row is now written every \
+                 {:.0} GB; raise run.record_interval_ms (a row is now written every \
                  {:.4} ms){unit}",
                 bytes / 1e9,
                 LARGEST_RECORDING_BYTES / 1e9,
@@ -268,7 +269,7 @@ fn hasty_clock(measured: &Measured, time_step_s: f64) -> Option<String> {
     (interval_s < time_step_s * (1.0 - 1e-6)).then(|| {
         format!(
             "the data have a sample every {} s, {} of them to a time step of {} s: is the unit of their times \
-             (data.time_unit) or their rate (data.rate_hz) right?",
+             right (data.time_unit; seconds without it), or their rate (data.rate_hz)?",
             significant(interval_s, 3),
             significant(time_step_s / interval_s, 3),
             significant(time_step_s, 3)

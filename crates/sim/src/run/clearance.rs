@@ -48,12 +48,16 @@ impl About {
         self.cell.notes().iter()
     }
 
+    /// The channels that tell where the arm is.
+    pub fn channels(&self) -> impl Iterator<Item = String> {
+        let joints = self.robot.chain.joints.iter().enumerate();
+        joints.map(|(index, joint)| position_name(index + 1, joint.kind))
+    }
+
     /// The least clearance over the rows of a recording, between which joints go evenly. What cuts
     /// may touch the part at all times: rows do not say where it is fed.
     pub fn clearance(&self, recording: &Recording) -> Scalar {
-        let joints = self.robot.chain.joints.iter().enumerate();
-        let columns = joints.filter_map(|(index, joint)| {
-            let name = position_name(index + 1, joint.kind);
+        let columns = self.channels().filter_map(|name| {
             let channels = &recording.header.channels;
             let at = channels.iter().position(|channel| channel.name == name)?;
             recording.columns.get(at)

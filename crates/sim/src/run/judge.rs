@@ -6,7 +6,7 @@ use truecut_recording::{ClaimResult, ClaimSpec, Outcome, Recording, RunReference
 use truecut_scenario::Scenario;
 
 use super::error::RunError;
-use super::request::{Claims, Run};
+use super::request::{Claims, Keep, Run};
 use super::runs::Runs;
 
 impl Run<'_> {
@@ -79,6 +79,8 @@ impl Run<'_> {
             engine: self.engine,
             robots: self.robots,
             claims: Claims::Check,
+            // Other claims may refer to it, and ask for other channels.
+            keep: Keep::All,
             references: None,
             sinks: Vec::new(),
             progress: self.progress,

@@ -30,6 +30,6 @@ mod runs;
 
 pub use crate::engine::Engine;
 pub use error::RunError;
-pub use request::{Claims, Extent, Finished, ReadData, Run};
+pub use request::{Claims, Extent, Finished, Keep, ReadData, Run};
 pub use rows::Rows;
 pub use runs::Runs;

@@ -2,11 +2,13 @@
 
 use std::time::Instant;
 
-use truecut_recording::{Measured, OpenSinks, Outcome, PartMesh, Recorder, Recording, Sink};
+use truecut_recording::{
+    ChannelSpec, Measured, OpenSinks, Outcome, PartMesh, Recorder, Recording, Sink,
+};
 use truecut_scenario::Scenario;
 
 use super::clearance;
-use super::request::{Claims, Run};
+use super::request::{Claims, Keep, Run};
 use crate::error::SimError;
 use crate::process::cut_short;
 use crate::replay::predict::{Prediction, predict};
@@ -31,6 +33,15 @@ fn unfinished(scenario: &Scenario) -> Option<String> {
     let natural_s = scenario.process.facts().natural_duration_s;
     let natural_s = natural_s.filter(|natural_s| natural_s.is_finite())?;
     cut_short(scenario.run.duration_s, natural_s)
+}
+
+/// The channels that claims and sweep ask for, and what a cell about the arm does.
+fn judged(scenario: &Scenario, about: Option<&clearance::About>) -> Vec<String> {
+    let sweep = scenario.sweep.iter().flat_map(|sweep| sweep.metrics());
+    let metrics = (scenario.claims.iter().map(|claim| &claim.metric)).chain(sweep);
+    let names = metrics.flat_map(|metric| metric.channels()).cloned();
+    let joints = about.into_iter().flat_map(|about| about.channels());
+    names.chain(joints).collect()
 }
 
 impl Run<'_> {
@@ -64,13 +75,24 @@ impl Run<'_> {
             scenario.check_claims(&header)?;
             scenario.check_bands(cell.row_interval_s())?;
         }
-        let extent = cell.extent();
+        let keep = match self.keep {
+            Keep::All => None,
+            Keep::Judged => Some(judged(scenario, about.as_ref())),
+        };
+        let mut extent = cell.extent();
+        if let Some(names) = &keep {
+            let is_kept = |channel: &&ChannelSpec| names.contains(&channel.name);
+            extent.kept = header.channels.iter().filter(is_kept).count();
+        }
         extent.check_memory()?;
         (self.before)(&extent)?;
         let time_step_s = cell.time_step_s();
         let build_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let mut recorder = Recorder::new(header, sinks)?;
+        if let Some(names) = &keep {
+            recorder.keep_only(names);
+        }
         let end = cell.run(&mut recorder, self.progress, self.stop)?;
         let (mut recording, sinks) = recorder.finish(end.scalars, end.profiles, end.outcome)?;
         if let Some(about) = &about {
@@ -106,6 +128,9 @@ impl Run<'_> {
         }
         let started = Instant::now();
         let mut recorder = Recorder::new(header, sinks)?;
+        if self.keep == Keep::Judged {
+            recorder.keep_only(&judged(scenario, None));
+        }
         let mut row = Vec::with_capacity(columns.len());
         for (k, time_s) in compared.time_s.iter().enumerate() {
             row.clear();

@@ -25,6 +25,16 @@ pub enum Claims {
     Ignore,
 }
 
+/// Which channels a run's recording has in the end. Sinks take all of them in any case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Keep {
+    /// All.
+    All,
+    /// Those alone that the scenario's claims and sweep ask for, and the joints' positions where a
+    /// cell stands about the arm: of a long run the rest is on the disk.
+    Judged,
+}
+
 /// Reads the measured data of a scenario that names some; `None` for one that needs none.
 pub type ReadData = fn(&Scenario) -> Result<Option<Measured>, RunError>;
 
@@ -37,28 +47,39 @@ pub struct Extent {
     pub rows: usize,
     /// Channels of the recording, without the time.
     pub channels: usize,
+    /// How many of them are kept in memory: see [`Keep`].
+    pub kept: usize,
 }
 
 impl Extent {
-    /// Bytes of the rows and their times, eight for each number: what the recording takes in memory
-    /// and, while the run goes on, in its stream on the disk.
+    /// Bytes of the rows and their times, eight for each number: what the recording takes, while
+    /// the run goes on, in its stream on the disk.
     pub fn bytes(&self) -> u64 {
-        let numbers = self.rows as u64 * (self.channels as u64 + 1);
+        self.bytes_of(self.channels)
+    }
+
+    /// Bytes of what is kept in memory, times included.
+    pub fn memory_bytes(&self) -> u64 {
+        self.bytes_of(self.kept)
+    }
+
+    fn bytes_of(&self, channels: usize) -> u64 {
+        let numbers = self.rows as u64 * (channels as u64 + 1);
         8 * numbers
     }
 
     /// Refuses rows that take more memory than may be used.
     pub(super) fn check_memory(&self) -> Result<(), SimError> {
         let limit = truecut_files::memory_limit();
-        if self.bytes() <= limit {
+        if self.memory_bytes() <= limit {
             return Ok(());
         }
         let message = format!(
             "`run.record_interval_ms`: {} rows of {} channels take {} bytes in memory, but at most {limit} may be \
              used (--max-memory): record fewer rows, or a shorter run",
             self.rows,
-            self.channels,
-            self.bytes()
+            self.kept,
+            self.memory_bytes()
         );
         Err(SimError::scenario("run.record_interval_ms", message))
     }
@@ -81,6 +102,8 @@ pub struct Run<'a> {
     pub robots: Option<&'a Robots>,
     /// What becomes of the claims.
     pub claims: Claims,
+    /// Which channels the recording keeps.
+    pub keep: Keep,
     /// Runs that claims refer to: give the same to all runs that may refer to each other.
     pub references: Option<&'a Runs>,
     /// What takes the rows while the run goes on.
@@ -101,7 +124,8 @@ pub struct Run<'a> {
 /// A run that has ended.
 #[derive(Debug, Clone)]
 pub struct Finished {
-    /// All its rows, scalars and profiles. A run that diverged ends with a recording, too.
+    /// All its rows, of the channels that are kept, scalars and profiles. A run that diverged ends
+    /// with a recording, too.
     pub recording: Recording,
     /// The claims, in the scenario's order; none unless they were to be judged.
     pub claims: Vec<ClaimResult>,
@@ -136,6 +160,7 @@ impl<'a> Run<'a> {
             engine: Engine::Rapier,
             robots: None,
             claims: Claims::Judge,
+            keep: Keep::All,
             references: None,
             sinks: Vec::new(),
             progress: &|_| {},
@@ -200,9 +225,11 @@ impl<'a> Run<'a> {
         Ok(scenario.check_claims(&cell.header())?)
     }
 
-    /// The recording alone: claims are left alone, sinks take nothing.
+    /// The recording alone, with what claims and sweep ask for: claims are left alone, sinks take
+    /// nothing.
     pub(crate) fn recording(mut self) -> Result<Recording, SimError> {
         self.claims = Claims::Ignore;
+        self.keep = Keep::Judged;
         let scenario = self.resolved()?;
         let recorded = self.record(&scenario, self.measured, Vec::new())?;
         Ok(recorded.recording)

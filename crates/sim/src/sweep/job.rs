@@ -71,31 +71,47 @@ impl SweepRow {
 
 /// All jobs of a scenario's sweep, the last axis running fastest; none without a sweep.
 pub fn jobs(scenario: &Scenario) -> Vec<Job> {
-    let Some(sweep) = &scenario.sweep else {
-        return Vec::new();
-    };
-    let mut combinations: Vec<Vec<(String, String)>> = vec![Vec::new()];
-    for axis in &sweep.axes {
-        combinations = combinations
-            .iter()
-            .flat_map(|before| {
-                axis.values.iter().map(move |value| {
-                    let mut next = before.clone();
-                    next.push((axis.key.clone(), number(*value)));
-                    next
-                })
-            })
-            .collect();
+    let jobs = Jobs::of(scenario);
+    (0..jobs.count).map(|index| jobs.job(index)).collect()
+}
+
+/// The jobs of a sweep, each made when it is asked for: as texts, all of them take more memory than
+/// the table of their results.
+pub(super) struct Jobs {
+    first: Option<Job>,
+    pub count: usize,
+}
+
+impl Jobs {
+    pub fn of(scenario: &Scenario) -> Jobs {
+        let first = scenario.sweep.as_ref().map(|sweep| Job {
+            scenario: Arc::new(scenario.clone()),
+            sweep: Arc::new(sweep.clone()),
+            overrides: Vec::new(),
+        });
+        let axes = scenario.sweep.iter().flat_map(|sweep| &sweep.axes);
+        let count = axes.map(|axis| axis.values.len()).product::<usize>();
+        Jobs {
+            count: first.as_ref().map_or(0, |_| count),
+            first,
+        }
     }
-    let (scenario, sweep) = (Arc::new(scenario.clone()), Arc::new(sweep.clone()));
-    combinations
-        .into_iter()
-        .map(|overrides| Job {
-            scenario: Arc::clone(&scenario),
-            sweep: Arc::clone(&sweep),
-            overrides,
-        })
-        .collect()
+
+    /// The job of a number, from 0.
+    ///
+    /// # Panics
+    /// If there is no sweep.
+    pub fn job(&self, index: usize) -> Job {
+        let mut job = self.first.clone().expect("a sweep");
+        let mut left = index;
+        for axis in job.sweep.axes.iter().rev() {
+            let value = axis.values[left % axis.values.len()];
+            job.overrides.push((axis.key.clone(), number(value)));
+            left /= axis.values.len();
+        }
+        job.overrides.reverse();
+        job
+    }
 }
 
 /// A number as TOML reads it back, to the last bit. Whole numbers stay whole for keys that count.

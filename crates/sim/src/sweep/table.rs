@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use truecut_recording::{Outcome, UserUnit, short_number};
 use truecut_scenario::Scenario;
 
-use super::job::{Fault, Job, SweepRow, jobs, run_job_until};
+use super::job::{Fault, Job, Jobs, SweepRow, run_job_until};
 use crate::run::{Run, RunError};
 
 /// The results of a sweep: a row for each job, the last axis running fastest.
@@ -129,15 +129,15 @@ impl<'a> Sweep<'a> {
         // Mistakes in the metrics are to be found before the first run.
         Run::of(self.scenario).check()?;
         let columns = columns(self.scenario);
-        let jobs = jobs(self.scenario);
+        let jobs = Jobs::of(self.scenario);
         let parts = Parts {
             progress: self.progress,
-            count: jobs.len() as f64,
+            count: jobs.count as f64,
             done: Mutex::new(0.0),
         };
-        let rows = jobs.par_iter().enumerate();
+        let rows = (0..jobs.count).into_par_iter();
         let rows = rows
-            .map(|(index, job)| self.row(index, job, &columns, &parts))
+            .map(|index| self.row(index, &jobs.job(index), &columns, &parts))
             .collect::<Result<Vec<TableRow>, RunError>>()?;
         let mut table = SweepTable {
             columns,

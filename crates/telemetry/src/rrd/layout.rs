@@ -7,12 +7,13 @@ use re_sdk_types::blueprint::archetypes::{
 };
 use re_sdk_types::blueprint::components as kinds;
 use re_sdk_types::components::Color;
-use truecut_recording::{Camera, Field, Header, Recording, Scene};
+use truecut_recording::{Camera, Field, Header, Scene};
 
 use super::blueprint::{Layout, Part};
 use super::chart::DOWN;
 use super::field::{END, SCALE};
 use super::results::{ABOUT, Drawn, SCENARIO};
+use super::seen::Seen;
 use super::series::FOOT_STATE;
 use super::verdict::CLAIMS;
 use super::{SCENE, camera};
@@ -21,7 +22,7 @@ use crate::display::{Group, Place};
 /// What is known only when the run has ended.
 pub(super) struct AtEnd<'a> {
     pub(super) charts: &'a [Drawn],
-    pub(super) recording: &'a Recording,
+    pub(super) seen: &'a Seen,
 }
 
 /// Makes a layout and sends it: while the run is under way with what is in front, at the end with
@@ -39,11 +40,11 @@ pub(super) fn send(
 ) -> Logged<()> {
     let layout = Layout::new(super::application(&header.scenario_name))?;
     let left = left_side(&layout, header, at_end.is_some())?;
-    let recording = at_end.map(|end| end.recording);
+    let seen = at_end.map(|end| end.seen);
     let plots = |wanted: fn(Place) -> bool| {
         let chosen = groups.iter().filter(|group| wanted(group.place));
         chosen
-            .map(|group| curves(&layout, group, recording))
+            .map(|group| curves(&layout, group, seen))
             .collect::<Logged<Vec<_>>>()
     };
     let mut front = plots(|place| place != Place::Behind)?.into_iter();
@@ -92,7 +93,7 @@ fn left_side(layout: &Layout, header: &Header, at_end: bool) -> Logged<Part> {
     layout.stacked(vec![(5.0, scene), (3.0, texts)])
 }
 
-fn curves(layout: &Layout, group: &Group, recording: Option<&Recording>) -> Logged<Part> {
+fn curves(layout: &Layout, group: &Group, seen: Option<&Seen>) -> Logged<Part> {
     let query = ["$origin".to_owned()];
     let legend = PlotLegend::new().with_corner(kinds::Corner2D::LeftTop);
     // Every property is a message of its own; what is in a tab makes do without.
@@ -100,7 +101,7 @@ fn curves(layout: &Layout, group: &Group, recording: Option<&Recording>) -> Logg
     if group.place != Place::Behind {
         properties.push(("PlotLegend", &legend));
     }
-    let axis = recording.and_then(|recording| least_axis(group, recording));
+    let axis = seen.and_then(|seen| least_axis(group, seen));
     properties.extend(
         axis.as_ref()
             .map(|axis| ("ScalarAxis", axis as &dyn AsComponents)),
@@ -115,12 +116,9 @@ fn curves(layout: &Layout, group: &Group, recording: Option<&Recording>) -> Logg
 }
 
 /// An axis of the least size that means something, if the curves would not fill it.
-fn least_axis(group: &Group, recording: &Recording) -> Option<ScalarAxis> {
-    let values = group
-        .series
-        .iter()
-        .flat_map(|series| &recording.columns[series.channel]);
-    let largest = values.fold(0.0, |largest: f64, value| largest.max(value.abs()));
+fn least_axis(group: &Group, seen: &Seen) -> Option<ScalarAxis> {
+    let sizes = (group.series.iter()).map(|series| seen.largest(series.channel));
+    let largest = sizes.fold(0.0, f64::max);
     let unit = &group.series.first()?.unit;
     let end = unit.from_si(group.least);
     let range = re_sdk_types::datatypes::Range1D([-end, end]);

@@ -11,6 +11,7 @@ mod part;
 mod plan;
 mod results;
 mod scene;
+mod seen;
 mod series;
 mod shapes;
 mod store;
@@ -36,6 +37,7 @@ use layout::AtEnd;
 pub use part::{FaceShown, PartShown, write_part};
 pub use plan::{PlanShown, PlanStation, write_plan};
 use scene::SceneLogger;
+use seen::Seen;
 use series::FootState;
 use store::{Failure, Logged, Store};
 
@@ -57,7 +59,9 @@ struct OpenRecording {
     stream: Store,
     /// Messages that hold until the end is known: a word in place of the claims, a first layout.
     until_end: Range<usize>,
+    header: Header,
     groups: Vec<Group>,
+    seen: Seen,
     scene: SceneLogger,
     foot: Option<FootState>,
 }
@@ -118,6 +122,8 @@ impl OpenRecording {
             path: path.to_owned(),
             until_end: before..stream.count(),
             stream,
+            seen: Seen::begin(header, &groups),
+            header: header.clone(),
             groups,
             scene,
             foot,
@@ -127,6 +133,7 @@ impl OpenRecording {
     fn chunk(&mut self, chunk: &Chunk<'_>) -> Result<(), Failure> {
         if !chunk.time_s.is_empty() {
             series::chunk(&self.stream, &self.groups, chunk)?;
+            self.seen.chunk(chunk);
             if let Some(foot) = &mut self.foot {
                 foot.chunk(&self.stream, chunk)?;
             }
@@ -144,18 +151,19 @@ impl OpenRecording {
             verdict::claims_table(recording, claims),
         )?;
         log_text(stream, results::ABOUT, results::about(recording))?;
-        let mut charts = results::log_spectra(stream, &self.groups, recording)?;
+        let times_s = &recording.time_s;
+        let mut charts = results::log_spectra(stream, &self.groups, times_s, &self.seen)?;
         // After the first spectrum, that of the tool.
         let profiles = results::log_profiles(stream, &recording.profiles, &recording.scalars)?;
         let after_first = charts.len().min(1);
         charts.splice(after_first..after_first, profiles);
         let at_end = AtEnd {
             charts: &charts,
-            recording,
+            seen: &self.seen,
         };
         layout::send(
             stream,
-            &recording.header,
+            &self.header,
             &self.groups,
             self.foot.is_some(),
             Some(&at_end),

@@ -5,6 +5,7 @@ use truecut_recording::spectrum::{Line, Spectrum, amplitude_spectrum_up_to};
 use truecut_recording::{Profile, Recording, Scalar, Unit, UserUnit, significant};
 
 use super::chart::{Chart, Curve};
+use super::seen::Seen;
 use super::verdict::one_cell;
 use crate::display::{Group, Place, Series, shown_unit};
 
@@ -59,19 +60,18 @@ impl Drawn {
 pub(super) fn log_spectra(
     stream: &Store,
     groups: &[Group],
-    recording: &Recording,
+    time_s: &[f64],
+    seen: &Seen,
 ) -> Logged<Vec<Drawn>> {
     let mut drawn = Vec::new();
     for group in groups
         .iter()
         .filter(|group| group.place == Place::FrontWithSpectrum)
     {
-        let columns = |series: &Series| &recording.columns[series.channel];
         let spectra = group.series.iter().filter_map(|series| {
-            Some((
-                series,
-                amplitude_spectrum_up_to(&recording.time_s, columns(series), HIGHEST_HZ)?,
-            ))
+            let values = seen.column(series.channel);
+            let spectrum = amplitude_spectrum_up_to(time_s, values, HIGHEST_HZ)?;
+            Some((series, spectrum))
         });
         let spectra: Vec<_> = spectra.collect();
         let range_hz = range_hz(spectra.iter().map(|(_, spectrum)| spectrum));

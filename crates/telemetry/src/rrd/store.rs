@@ -7,11 +7,14 @@
 use std::cell::RefCell;
 use std::error::Error;
 use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 
 use re_build_info::CrateVersion;
 use re_chunk::{Chunk, ChunkComponents, ChunkId, ChunkResult, EntityPath, RowId, TimeColumn};
-use re_log_encoding::{Encoder, EncodingOptions};
+use re_log_encoding::{
+    CachingApplicationIdInjector, Decodable, Encoder, EncodingOptions, StreamHeader, ToApplication,
+};
 use re_log_types::{
     ApplicationId, BlueprintActivationCommand, LogMsg, SetStoreInfo, StoreId, StoreInfo, StoreKind,
     StoreSource, TimeInt, TimePoint, Timeline,
@@ -35,32 +38,56 @@ pub(super) struct Store {
     now: TimePoint,
     target: RefCell<Target>,
     /// What has been sent, for a file that is put into another order at its end.
-    kept: RefCell<Option<Vec<LogMsg>>>,
+    kept: RefCell<Option<Vec<Kept>>>,
 }
 
 enum Target {
-    File(Box<Encoder<File>>),
+    File {
+        encoder: Box<Encoder<File>>,
+        /// Bytes written.
+        bytes: u64,
+        /// Whether what was written can be read.
+        is_read: bool,
+    },
     Memory(Vec<LogMsg>),
+}
+
+/// A message that is written again.
+enum Kept {
+    Here(LogMsg),
+    /// In the file, from this byte on, so many bytes: rows, which would take memory as they do.
+    Written(u64, u64),
 }
 
 impl Store {
     /// The recording of a file. Every message is with the operating system once it is logged.
     pub(super) fn file(file: File, application: ApplicationId, name: &str) -> Logged<Store> {
-        Store::recording(file, application, name, None)
+        Store::recording(file, application, name, false)
     }
 
     /// The same, of which what comes last can be put first: see [`Store::finish_again`].
     pub(super) fn kept(file: File, application: ApplicationId, name: &str) -> Logged<Store> {
-        Store::recording(file, application, name, Some(Vec::new()))
+        Store::recording(file, application, name, true)
     }
 
     fn recording(
         file: File,
         application: ApplicationId,
         name: &str,
-        kept: Option<Vec<LogMsg>>,
+        is_kept: bool,
     ) -> Logged<Store> {
-        let target = Target::File(Box::new(encoder(file)?));
+        let is_read = file.metadata()?.is_file();
+        let mut encoder = Box::new(encoder(file)?);
+        if is_kept {
+            // The file that is written again has one.
+            encoder.do_not_emit_footer();
+        }
+        let target = Target::File {
+            encoder,
+            bytes: StreamHeader::ENCODED_SIZE_BYTES as u64,
+            is_read,
+        };
+        let kept = is_kept.then(Vec::new);
         let store = Store::begin(StoreKind::Recording, application, target, kept)?;
         let about = RecordingInfo::new()
             .with_start_time(Timestamp::now())
@@ -82,7 +109,7 @@ impl Store {
         kind: StoreKind,
         application: ApplicationId,
         target: Target,
-        kept: Option<Vec<LogMsg>>,
+        kept: Option<Vec<Kept>>,
     ) -> Logged<Store> {
         let id = StoreId::random(kind, application);
         let info = StoreInfo::new(id.clone(), StoreSource::Other("truecut".to_owned()));
@@ -92,10 +119,11 @@ impl Store {
             target: RefCell::new(target),
             kept: RefCell::new(kept),
         };
-        store.send(LogMsg::SetStoreInfo(SetStoreInfo {
+        let opening = LogMsg::SetStoreInfo(SetStoreInfo {
             row_id: *RowId::new(),
             info,
-        }))?;
+        });
+        store.send(opening, false)?;
         Ok(store)
     }
 
@@ -128,7 +156,7 @@ impl Store {
             return Ok(());
         }
         let chunk = Chunk::builder(entity).with_serialized_batches(RowId::new(), at, batches);
-        self.chunk(chunk.build())
+        self.chunk(chunk.build(), false)
     }
 
     /// Logs columns over times.
@@ -143,14 +171,10 @@ impl Store {
         let components: ChunkComponents = columns
             .map(|column| (column.descriptor, column.list_array))
             .collect();
-        self.chunk(Chunk::from_auto_row_ids(
-            ChunkId::new(),
-            entity.into(),
-            times
-                .map(|column| (*column.timeline().name(), column))
-                .collect(),
-            components,
-        ))
+        let times = times.map(|column| (*column.timeline().name(), column));
+        let (id, times) = (ChunkId::new(), times.collect());
+        let chunk = Chunk::from_auto_row_ids(id, entity.into(), times, components);
+        self.chunk(chunk, true)
     }
 
     /// Takes over a layout as the one that is shown.
@@ -160,15 +184,15 @@ impl Store {
         if let Target::Memory(messages) = layout.target.into_inner() {
             messages
                 .into_iter()
-                .try_for_each(|message| self.send(message))?;
+                .try_for_each(|message| self.send(message, false))?;
         }
-        self.send(activate.into())
+        self.send(activate.into(), false)
     }
 
     /// Writes what the file's readers find their way by.
     pub(super) fn finish(self) -> Logged<()> {
         match self.target.into_inner() {
-            Target::File(mut encoder) => Ok(encoder.finish()?),
+            Target::File { mut encoder, .. } => Ok(encoder.finish()?),
             Target::Memory(_) => Ok(()),
         }
     }
@@ -188,31 +212,62 @@ impl Store {
         last: usize,
     ) -> Logged<()> {
         let messages = self.kept.into_inner().unwrap_or_default();
+        let mut written = match self.target.into_inner() {
+            Target::File { encoder, .. } => encoder.into_inner()?,
+            Target::Memory(_) => return Ok(()),
+        };
         let mut encoder = encoder(file)?;
         let opening = 0..OPENING;
         let order = opening.chain(last..messages.len()).chain(OPENING..last);
         for at in order.filter(|at| !superseded.contains(at)) {
-            encoder.append(&messages[at])?;
+            match &messages[at] {
+                Kept::Here(message) => encoder.append(message)?,
+                Kept::Written(from, bytes) => {
+                    encoder.append(&read_again(&mut written, *from, *bytes)?)?
+                }
+            };
         }
         Ok(encoder.finish()?)
     }
 
-    fn chunk(&self, chunk: ChunkResult<Chunk>) -> Logged<()> {
+    fn chunk(&self, chunk: ChunkResult<Chunk>, is_rows: bool) -> Logged<()> {
         let message = chunk?.to_arrow_msg()?;
-        self.send(LogMsg::ArrowMsg(self.id.clone(), message))
+        self.send(LogMsg::ArrowMsg(self.id.clone(), message), is_rows)
     }
 
-    fn send(&self, message: LogMsg) -> Logged<()> {
-        if let Some(kept) = &mut *self.kept.borrow_mut() {
-            // Its arrays are shared, not copied.
-            kept.push(message.clone());
-        }
+    fn send(&self, message: LogMsg, is_rows: bool) -> Logged<()> {
+        let mut from = None;
         match &mut *self.target.borrow_mut() {
-            Target::File(encoder) => drop(encoder.append(&message)?),
-            Target::Memory(messages) => messages.push(message),
+            Target::File {
+                encoder,
+                bytes,
+                is_read,
+            } => {
+                let more = encoder.append(&message)?;
+                from = (is_rows && *is_read).then_some((*bytes, more));
+                *bytes += more;
+            }
+            Target::Memory(messages) => messages.push(message.clone()),
+        }
+        if let Some(kept) = &mut *self.kept.borrow_mut() {
+            kept.push(match from {
+                Some((from, bytes)) => Kept::Written(from, bytes),
+                None => Kept::Here(message),
+            });
         }
         Ok(())
     }
+}
+
+/// A message of a file that is being written.
+fn read_again(file: &mut File, from: u64, bytes: u64) -> Logged<LogMsg> {
+    let mut message = vec![0; usize::try_from(bytes)?];
+    file.seek(SeekFrom::Start(from))?;
+    file.read_exact(&mut message)?;
+    let message: Option<_> = Decodable::from_rrd_bytes(&message)?;
+    let message = message.ok_or("the file ends before its last message")?;
+    let mut ids = CachingApplicationIdInjector::default();
+    Ok(message.to_application((&mut ids, None))?)
 }
 
 fn encoder(file: File) -> Logged<Encoder<File>> {
