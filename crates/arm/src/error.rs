@@ -22,6 +22,8 @@ pub enum ArmErrorKind {
     Xml(String),
     #[error("elements are nested more than {limit} deep; a URDF is nested less than ten deep")]
     TooDeep { limit: usize },
+    #[error("an element has {count} attributes; at most {limit} are read")]
+    TooManyAttributes { count: usize, limit: usize },
     #[error("the root element is <{found}>; a URDF has <robot>")]
     NotARobot { found: String },
     #[error(
@@ -32,7 +34,7 @@ pub enum ArmErrorKind {
     Xacro(String),
     #[error("the file has {count} links; at most {limit} are read")]
     TooManyLinks { count: usize, limit: usize },
-    #[error("{owner}: {quantity} is {value}; it must be {rule}")]
+    #[error("{owner}: {quantity} is {}; it must be {rule}", told(*.value))]
     OutOfBounds {
         owner: String,
         quantity: &'static str,
@@ -351,4 +353,12 @@ pub(crate) fn several(mut faults: Vec<ArmError>) -> Option<ArmError> {
         Some(path) => ArmError::in_file(&path, line, kind),
         None => kind.into(),
     })
+}
+
+/// A number, with an exponent where it would take a line of digits.
+fn told(value: f64) -> String {
+    match value.abs() {
+        size if size >= 1e15 && size.is_finite() => format!("{value:e}"),
+        _ => value.to_string(),
+    }
 }

@@ -54,7 +54,6 @@
 mod bounds;
 mod compliance;
 pub mod config;
-mod depth;
 mod doubts;
 mod drawing;
 mod dynamics;
@@ -96,6 +95,7 @@ mod urdf;
 mod visual;
 mod xacro;
 mod xml;
+mod xml_bounds;
 
 pub use bounds::Masses;
 pub use compliance::{

@@ -4,8 +4,7 @@
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::depth;
-use crate::xml::MOST_NESTED;
+use crate::xml_bounds;
 
 /// Elements of a link and of a joint that the format knows.
 const OF_LINK: [&str; 3] = ["inertial", "visual", "collision"];
@@ -31,7 +30,7 @@ pub(crate) fn taken_out(text: &str) -> (String, Vec<String>) {
         ..ParsingOptions::default()
     };
     let unchanged = || (text.to_owned(), Vec::new());
-    if depth::exceeded(text, MOST_NESTED).is_some() {
+    if xml_bounds::exceeded(text).is_some() {
         return unchanged();
     }
     let Ok(document) = Document::parse_with_options(text, options) else {

@@ -7,8 +7,8 @@ use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::depth;
 use crate::error::{ArmError, ArmErrorKind};
+use crate::xml_bounds;
 
 /// Lines (1-based) of an element and of its first child of each name.
 #[derive(Debug, Clone, Default)]
@@ -99,18 +99,14 @@ const JOINT_TYPES: [&str; 7] = [
 /// without a file, collision shapes without a size), so they are taken out before the data is read.
 const IGNORED: [&str; 4] = ["collision", "texture", "gazebo", "transmission"];
 
-/// Deepest nesting that is read: parsers recurse, and a URDF needs less than ten.
-pub(crate) const MOST_NESTED: usize = 256;
-
 /// Most links that are read; a chain of twelve joints with hands and mounts has a tenth of it.
 const MOST_LINKS: usize = 1000;
 
 /// Reads the positions and refuses broken XML, missing attributes and numbers that are none. Gives
 /// the lines, and the text with all ignored elements blanked.
 pub(crate) fn scan(text: &str, path: &Path) -> Result<(UrdfLines, String), ArmError> {
-    if let Some(at) = depth::exceeded(text, MOST_NESTED) {
+    if let Some((at, kind)) = xml_bounds::exceeded(text) {
         let line = text[..at].matches('\n').count() + 1;
-        let kind = ArmErrorKind::TooDeep { limit: MOST_NESTED };
         return Err(ArmError::in_file(path, Some(line), kind));
     }
     let options = ParsingOptions {

@@ -394,6 +394,17 @@ fn texts_that_would_exhaust_a_reader_are_refused_before_it_starts() {
         message.contains("big.urdf:2: elements are nested more than 256 deep"),
         "{message}"
     );
+    // Parsers compare each attribute of an element with all before it: 40 000 took a minute.
+    let attributes: String = (0..40_000).map(|i| format!(" a{i}=\"1\"")).collect();
+    for element in ["link name=\"x\"", "xacro:property name=\"x\""] {
+        let message = read(&format!(
+            "<robot name=\"x\">\n<{element}{attributes}/></robot>"
+        ));
+        assert!(
+            message.contains("big.urdf:2: an element has 40001 attributes; at most 256 are read"),
+            "{message}"
+        );
+    }
     let links: String = (0..20_000)
         .map(|i| {
             format!(

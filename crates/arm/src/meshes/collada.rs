@@ -9,6 +9,7 @@ use nalgebra::{Matrix4, Point3, Unit, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::files::{Part, fan};
+use crate::xml_bounds;
 
 /// Nodes that a scene may have, instances of nodes counted each time; a file that places a node in
 /// itself has no end.
@@ -17,6 +18,10 @@ const MOST_NODES: usize = 100_000;
 const MOST_CORNERS: usize = 30_000_000;
 
 pub(super) fn parts(text: &str) -> Result<Vec<Part>, String> {
+    if let Some((at, kind)) = xml_bounds::exceeded(text) {
+        let line = text[..at].matches('\n').count() + 1;
+        return Err(format!("not a valid COLLADA file: line {line}: {kind}"));
+    }
     let options = ParsingOptions {
         allow_dtd: true,
         ..ParsingOptions::default()

@@ -11,6 +11,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use crate::model::Shape;
 use crate::packages::Packages;
 use crate::tree::{Tree, TreeLink};
+use crate::xml_bounds;
 
 pub use files::{MeshData, MeshFileError};
 pub(crate) use files::{Part, Triangle, read};
@@ -134,8 +135,12 @@ pub(crate) fn references(text: &str) -> (Vec<Vec<MeshReference>>, Vec<Shapes>) {
         allow_dtd: true,
         ..ParsingOptions::default()
     };
+    let none = || (Vec::new(), Vec::new());
+    if xml_bounds::exceeded(text).is_some() {
+        return none();
+    }
     let Ok(document) = Document::parse_with_options(text, options) else {
-        return (Vec::new(), Vec::new());
+        return none();
     };
     let links = document.root_element().children();
     let links = links.filter(|node| node.has_tag_name("link"));

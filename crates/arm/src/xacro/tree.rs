@@ -5,9 +5,8 @@ use std::rc::Rc;
 
 use roxmltree::{Document, Node as XmlNode, ParsingOptions};
 
-use crate::depth;
 use crate::error::{ArmError, ArmErrorKind};
-use crate::xml::MOST_NESTED;
+use crate::xml_bounds;
 
 /// File, by its index in the list of files read, and 1-based line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,9 +55,8 @@ fn is_of_xacro(namespace: Option<&str>) -> bool {
 
 /// The root element of the file at `path`, number `file` of those read.
 pub(super) fn parse(text: &str, path: &Path, file: usize) -> Result<Element, ArmError> {
-    if let Some(at) = depth::exceeded(text, MOST_NESTED) {
+    if let Some((at, kind)) = xml_bounds::exceeded(text) {
         let line = text[..at].matches('\n').count() + 1;
-        let kind = ArmErrorKind::TooDeep { limit: MOST_NESTED };
         return Err(ArmError::in_file(path, line, kind));
     }
     let options = ParsingOptions {

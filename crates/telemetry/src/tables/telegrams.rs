@@ -92,6 +92,11 @@ struct Rows {
 
 impl Rows {
     fn telegram(&mut self, kind: &str, text: &str, line: usize) -> Result<(), Reason> {
+        // The parser compares each attribute of an element with all before it.
+        if text.bytes().filter(|byte| *byte == b'=').count() > MOST_COLUMNS {
+            let message = format!("more than {MOST_COLUMNS} attributes in one telegram");
+            return Err(Reason::Line { line, message });
+        }
         let document = Document::parse(text).map_err(|error| Reason::Line {
             line: line + error.pos().row.saturating_sub(1) as usize,
             message: format!("the telegram is no XML: {error}"),

@@ -64,6 +64,8 @@ fn decimals_with_a_comma_and_stamps_are_read() {
         csv(text, true).unwrap().column("t").unwrap(),
         [86_400.25, 86_401.5]
     );
+    assert_eq!(csv(text, true).unwrap().units["t"], "s");
+    assert!(!csv("t,q\n0.25,1\n", true).unwrap().units.contains_key("t"));
     for thousands in ["t;q\n0,5,1;2\n", "t,q\n\"1,500\",2\n"] {
         assert!(csv(thousands, true).is_err(), "{thousands}");
     }
@@ -226,4 +228,16 @@ fn arrow_files_and_streams_are_read() {
             assert!(q[0] == 3.0 && q[1].is_nan() && q[2] == -5.0, "{name}");
         }
     }
+}
+
+/// The parser compares each attribute of an element with all before it.
+#[test]
+fn a_telegram_of_many_attributes_is_refused_before_it_is_parsed() {
+    let attributes: String = (0..50_000).map(|i| format!(" a{i}=\"1\"")).collect();
+    let text = format!("\n<Rob><R{attributes}/><IPOC>1</IPOC></Rob>\n");
+    let told = super::telegrams::table(&text).unwrap_err().to_string();
+    assert!(
+        told.contains("more than 1024 attributes in one telegram"),
+        "{told}"
+    );
 }

@@ -71,6 +71,7 @@ fn table_of(cells: Cells, header: bool) -> Result<Table, Reason> {
 
 fn append(table: &mut Table, row: &CellRow, decimal_comma: bool) -> Result<(), Reason> {
     let line = row.line;
+    let is_first = table.lines.is_empty();
     if row.cells.len() != table.columns.len() {
         let message = format!(
             "{} cells, but there are {} columns",
@@ -86,6 +87,10 @@ fn append(table: &mut Table, row: &CellRow, decimal_comma: bool) -> Result<(), R
             value: cell.clone(),
         })?;
         column.values.push(value);
+        if is_first && is_stamp(cell, decimal_comma) {
+            let unit = table.units.entry(column.name.clone());
+            unit.or_insert_with(|| "s".to_owned());
+        }
     }
     table.lines.push(line);
     Ok(())
@@ -251,18 +256,24 @@ fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
         // As Python writes them.
         "True" | "true" => Some(1.0),
         "False" | "false" => Some(0.0),
-        other => (truecut_files::number(other, decimal_comma))
-            .or_else(|| stamp(other))
-            .or_else(|| {
-                decimal_comma
-                    .then(|| stamp(&other.replacen(',', ".", 1)))
-                    .flatten()
-            }),
+        other => {
+            truecut_files::number(other, decimal_comma).or_else(|| stamp(other, decimal_comma))
+        }
     }
 }
 
+/// Whether a cell is a date with a time of day: what it is read as is in seconds.
+fn is_stamp(cell: &str, decimal_comma: bool) -> bool {
+    truecut_files::number(cell, decimal_comma).is_none() && stamp(cell, decimal_comma).is_some()
+}
+
+fn stamp(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let with_point = || decimal_comma.then(|| seconds(&cell.replacen(',', ".", 1)))?;
+    seconds(cell).or_else(with_point)
+}
+
 /// Seconds of a date with a time of day.
-fn stamp(cell: &str) -> Option<f64> {
+fn seconds(cell: &str) -> Option<f64> {
     let nanoseconds = string_to_timestamp_nanos(cell).ok()?;
     Some(nanoseconds as f64 * 1e-9)
 }
