@@ -128,17 +128,44 @@ pub fn planar_principal(
     }
 }
 
+/// A compliance below this share of what the free tool has is what rounding leaves of none, and may
+/// be negative: in a singular posture nothing gives way in some direction once rotation is held.
+pub(crate) const RIGID_SHARE: f64 = 1e-10;
+
 /// Lateral force per axial force on a tool that is held laterally, S = (C_YZ,YZ)⁻¹ C_YZ,X.
 ///
 /// `process_compliance` is in process axes ([`Robot::process_compliance`]); S is in its Y, Z axes.
 ///
 /// # Errors
-/// If the arm is not compliant in both lateral directions.
+/// If the arm is not compliant in both lateral directions, beyond what rounding leaves.
 pub fn axial_lateral_coupling(process_compliance: &Matrix3<f64>) -> Result<Vector2<f64>, ArmError> {
     let lateral: Matrix2<f64> = process_compliance.fixed_view::<2, 2>(1, 1).into_owned();
+    let least_m_per_n = RIGID_SHARE * process_compliance.trace();
+    let gives_way = lateral.symmetric_eigenvalues().min() > least_m_per_n;
+    if !gives_way {
+        return Err(ArmErrorKind::SingularCompliance.into());
+    }
     let coupling: Vector2<f64> = process_compliance.fixed_view::<2, 1>(1, 0).into_owned();
     let inverse = lateral
         .try_inverse()
         .ok_or(ArmErrorKind::SingularCompliance)?;
     Ok(inverse * coupling)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What rounding leaves of a direction in which nothing gives way is no compliance to divide
+    /// by.
+    #[test]
+    fn a_tool_that_is_rigid_to_one_side_has_no_coupling() {
+        let mut compliance = Matrix3::new(2e-6, 1e-7, 3e-7, 1e-7, 1e-6, 0.0, 3e-7, 0.0, 4e-6);
+        let coupling = axial_lateral_coupling(&compliance).expect("compliant to all sides");
+        assert!((coupling - Vector2::new(0.1, 0.075)).norm() < 1e-12);
+        compliance[(1, 1)] = 2.2e-22;
+        compliance[(0, 1)] = 1e-6;
+        compliance[(1, 0)] = 1e-6;
+        assert!(axial_lateral_coupling(&compliance).is_err());
+    }
 }

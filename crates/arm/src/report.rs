@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
 use serde::Serialize;
 
 use crate::compliance::{
-    PlanarStiffness, axial_lateral_coupling, clamped, directional_stiffness, in_axes,
+    PlanarStiffness, RIGID_SHARE, axial_lateral_coupling, clamped, directional_stiffness, in_axes,
     planar_principal, translational,
 };
 use crate::error::{ArmError, ArmErrorKind};
@@ -281,10 +281,6 @@ impl Robot {
         })
     }
 }
-
-/// A compliance below this share of what the free tool has is what rounding leaves of none, and may
-/// be negative: in a singular posture nothing gives way in some direction once rotation is held.
-const RIGID_SHARE: f64 = 1e-10;
 
 fn directional_report(compliance: &Matrix3<f64>, free: &Matrix3<f64>) -> DirectionalReport {
     let least_m_per_n = RIGID_SHARE * free.trace();

@@ -253,7 +253,9 @@ impl std::fmt::Display for Outcome {
             } => {
                 write!(
                     formatter,
-                    "diverged at {time_s:.4} s: {quantity} = {value:.6}, limit {limit:.6} ({rule})"
+                    "diverged at {time_s:.4} s: {quantity} = {}, limit {} ({rule})",
+                    six_decimals(*value),
+                    six_decimals(*limit)
                 )
             }
             Outcome::Chatter {
@@ -268,6 +270,14 @@ impl std::fmt::Display for Outcome {
                 )
             }
         }
+    }
+}
+
+/// A number with six decimals, with an exponent where that would take a line of digits.
+fn six_decimals(value: f64) -> String {
+    match value.abs() {
+        size if size.is_finite() && size >= 1e9 => significant(value, 7),
+        _ => format!("{value:.6}"),
     }
 }
 

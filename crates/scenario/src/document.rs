@@ -15,6 +15,7 @@ use toml_edit::{DocumentMut, InlineTable, Item, Key, Table, Value};
 
 use crate::error::{Place, Problem, ScenarioError};
 use crate::fault::{At, Fault, split_path};
+use crate::format::taken_by;
 use crate::overwrite::set_in_table;
 use crate::renamed::{self, Renamed};
 use crate::schema::is_text;
@@ -59,6 +60,10 @@ impl Document {
             let span = error.span().unwrap_or(0..0);
             let message = format!("not valid TOML: {}", error.message().trim());
             let fault = Fault::value("", message, "here");
+            let fault = match taken_by(path) {
+                Some(command) => fault.with_help(command),
+                None => fault,
+            };
             Problem::new(fault, place_in_file(path, text, span))
         };
         if let Some(at) = truecut_files::too_deep(text) {

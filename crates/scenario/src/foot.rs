@@ -29,7 +29,11 @@ pub struct FootSpec {
 #[serde(deny_unknown_fields)]
 pub(crate) struct FootTable {
     /// Gauge pressure in the cylinders.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "the cylinders push; 0 is a foot that only rests"))]
+    #[schemars(extend(
+        "minimum" = 0.0,
+        "maximum" = 10.0,
+        "x-rule" = "the cylinders push, 0 is a foot that only rests; compressed air has 0.4 to 1.6 MPa, and 1 MPa is 10 bar"
+    ))]
     pressure_mpa: f64,
     /// Bore of one cylinder. Default: 32.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cylinder has a bore"))]
@@ -110,6 +114,9 @@ const DEFAULT_SEAL_STICTION_N: f64 = 97.0;
 const DEFAULT_ROD_STIFFNESS_N_PER_UM: f64 = 50.0;
 const DEFAULT_AMPLITUDE_FLOOR_UM: f64 = 1.0;
 
+/// Below this springs and forces are divided by what rounding leaves.
+const LEAST_PRESSURE_MPA: f64 = 1e-6;
+
 impl FootTable {
     /// `table` is the dotted path of this table, `frequency_rad_s` that of the force that shakes
     /// the foot.
@@ -117,6 +124,13 @@ impl FootTable {
         if self.axial_share.is_some() {
             let because = "axial_share replaces the gas spring";
             check.ignored(table, &["gas_length_mm", "polytropic_exponent"], because);
+        }
+        if self.pressure_mpa > 0.0 && self.pressure_mpa < LEAST_PRESSURE_MPA {
+            let message = format!(
+                "is {:e}, but must be 0 or at least {LEAST_PRESSURE_MPA:e}: a pascal is next to nothing",
+                self.pressure_mpa
+            );
+            check.wrong(table, "pressure_mpa", message, "neither 0 nor a pressure");
         }
         let (gas_length_m, polytropic_exponent) = match self.axial_share {
             Some(_) => (f64::INFINITY, 1.0),

@@ -1,6 +1,8 @@
 //! The formats of files that this crate reads. A file of another format gets one error, not one for
 //! each of its keys.
 
+use std::path::Path;
+
 use serde_json::Value as Json;
 use strum::VariantArray;
 use toml_edit::Table;
@@ -16,6 +18,7 @@ pub(crate) enum Format {
     PathJob,
     Identification,
     Cell,
+    Robot,
 }
 
 impl Format {
@@ -25,6 +28,7 @@ impl Format {
             Format::PathJob => &["surface", "wheel", "path", "program"],
             Format::Identification => &["stiffness", "modes"],
             Format::Cell => &["fixture", "carried", "part"],
+            Format::Robot => &["joint", "link", "frames", "masses"],
         }
     }
 
@@ -34,6 +38,7 @@ impl Format {
             Format::PathJob => "a path job",
             Format::Identification => "an identification",
             Format::Cell => "a cell",
+            Format::Robot => "a robot's file",
         }
     }
 
@@ -44,6 +49,7 @@ impl Format {
             Format::PathJob => "truecut path",
             Format::Identification => "truecut identify",
             Format::Cell => "truecut program --cell",
+            Format::Robot => "truecut robot --config",
         }
     }
 
@@ -64,6 +70,21 @@ impl Format {
         let fault = Fault::key(key, message, format!("of {}", other.name()));
         Some(fault.with_help(format!("`{}` takes {}", other.command(), other.name())))
     }
+}
+
+/// What takes a file of this ending, where it is none of the formats above.
+pub(crate) fn taken_by(path: &Path) -> Option<&'static str> {
+    let ending = path.extension()?.to_str()?.to_lowercase();
+    Some(match ending.as_str() {
+        "urdf" | "xacro" => "`truecut robot` takes an arm; a scenario names it: [robot] urdf = …",
+        "nc" | "ngc" | "gcode" | "mpf" | "apt" | "cls" => {
+            "`truecut path --robot …` takes a path from CAM"
+        }
+        "jbi" | "mod" | "src" | "script" | "ls" => "`truecut program` takes a robot program",
+        "csv" | "txt" | "parquet" | "arrow" | "mcap" => "`truecut data` takes measured data",
+        "stl" | "obj" | "ply" => "`truecut part` takes a mesh",
+        _ => return None,
+    })
 }
 
 /// More than one process is one fault: what is missing in each of them is not what is wrong.
@@ -99,7 +120,13 @@ mod tests {
             told.starts_with("this is a path job, since it has [wheel]"),
             "{told}"
         );
-        // What is none of the three has faults of its own.
+        let robot = "[[joint]]\nname = \"j1\"\n[masses]\n";
+        let told = misread(Format::Scenario, robot).expect("a fault");
+        assert!(
+            told.starts_with("this is a robot's file, since it has [joint]"),
+            "{told}"
+        );
+        // What is none of these has faults of its own.
         assert_eq!(misread(Format::Scenario, "name = \"a\"\n"), None);
         assert_eq!(
             misread(Format::Identification, "[modes]\n[process]\n"),

@@ -30,6 +30,9 @@ mod tests {
             same_quantity("pressure_bar", known),
             [("pressure_mpa", "MPa")]
         );
+        for foreign in ["bore_inch", "bore_in", "pressure_psi"] {
+            assert_eq!(same_quantity(foreign, known).len(), 1, "{foreign}");
+        }
         assert!(same_quantity("cylinders", known).is_empty());
         assert!(same_quantity("presure_mpa", known).is_empty());
     }

@@ -98,8 +98,9 @@ const OF_KEYS: [(&str, Unit, f64); 7] = [
 ];
 
 /// What people write as units in keys although the format does not, to recognise the quantity.
-const FOREIGN: [&str; 9] = [
-    "_pa", "_bar", "_kpa", "_m", "_cm", "_rad", "_kg", "_kn", "_rad_s",
+const FOREIGN: [&str; 13] = [
+    "_pa", "_bar", "_kpa", "_psi", "_m", "_cm", "_in", "_inch", "_inches", "_rad", "_kg", "_kn",
+    "_rad_s",
 ];
 
 /// Splits `pressure_mpa` into `("pressure", "MPa")`; `None` for a key without a unit of the format.

@@ -106,7 +106,7 @@ fn check_length(scenario: &Scenario, measured: &Measured, robots: &Robots) -> Re
     }
     let message = format!(
         "the data take {duration_s:.1} s, and one run of them {steps:.2e} steps; a diagnosis makes thousands of runs, of at most \
-         {MOST_STEPS:.0e} steps each: if the times are not in seconds, say so with data.time_unit; else thin the data \
+         {MOST_STEPS:.0e} steps each: if their times are milliseconds, say so, data.time_unit = \"ms\"; else thin the data \
          with data.resample_hz, or use a part, from data.from_s to data.to_s"
     );
     Err(SimError::scenario("data", message))

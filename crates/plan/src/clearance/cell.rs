@@ -71,6 +71,7 @@ impl Cell {
             let solid = solid.map_err(|fault| at(&format!("carried.{index}.shape.mesh"), fault))?;
             check_reach(&one.name, &solid, &one.flange_from_form)
                 .map_err(|fault| at(&format!("carried.{index}.name"), fault))?;
+            cell.notes.extend(solid.doubts(&one.name));
             let place = flange * one.flange_from_form;
             cell.take_carried((&one.name, one.cuts), &solid, last, &place);
             cell.carried.push((one.name.clone(), solid, place));
@@ -91,6 +92,7 @@ impl Cell {
                 .map_err(|fault| at("part.shape.mesh", fault))?;
             check_reach(&part.name, &solid, &part.world_from_form)
                 .map_err(|fault| at("part.shape", fault))?;
+            cell.notes.extend(solid.doubts(&part.name));
             cell.take_standing(&part.name, solid, &part.world_from_form, Kind::Part);
         }
         for (index, one) in setup.fixtures.iter().enumerate() {
@@ -98,6 +100,7 @@ impl Cell {
             let solid = solid.map_err(|fault| at(&format!("fixture.{index}.shape.mesh"), fault))?;
             check_reach(&one.name, &solid, &one.world_from_form)
                 .map_err(|fault| at(&format!("fixture.{index}.name"), fault))?;
+            cell.notes.extend(solid.doubts(&one.name));
             cell.take_standing(&one.name, solid, &one.world_from_form, Kind::Fixture);
         }
         cell.check_names(setup)?;

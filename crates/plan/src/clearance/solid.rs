@@ -1,5 +1,7 @@
 //! Forms of what stands or is carried.
 
+use std::collections::HashSet;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::shape::{SharedShape, TriMesh};
@@ -77,7 +79,62 @@ impl Form {
     }
 }
 
+/// How many edges have a triangle without another one: files may give each triangle corners of its
+/// own, so edges are known by where they end.
+fn open_edges(vertices_m: &[Vector3<f64>], triangles: &[[u32; 3]]) -> usize {
+    let place = |index: u32| {
+        let at = vertices_m[index as usize];
+        // 0 and -0 are one place.
+        [at.x, at.y, at.z].map(|m| (m + 0.0).to_bits())
+    };
+    let mut odd = HashSet::new();
+    for [a, b, c] in triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let mut edge = [place(*from), place(*to)];
+            edge.sort_unstable();
+            if !odd.remove(&edge) {
+                odd.insert(edge);
+            }
+        }
+    }
+    odd.len()
+}
+
+/// Bodies of a cell are of this size, m; what is not may have been drawn in another unit.
+const USUAL_SIZE_M: std::ops::RangeInclusive<f64> = 0.02..=5.0;
+
 impl Solid {
+    /// What a reader should know of a mesh that stands for the body of this name.
+    pub(super) fn doubts(&self, name: &str) -> Vec<String> {
+        let Self::Mesh {
+            vertices_m,
+            triangles,
+        } = self
+        else {
+            return Vec::new();
+        };
+        let mut notes = Vec::new();
+        let used = || triangles.iter().flatten().map(|i| vertices_m[*i as usize]);
+        let low = used().fold(Vector3::repeat(f64::INFINITY), |a, b| a.inf(&b));
+        let high = used().fold(Vector3::repeat(f64::NEG_INFINITY), |a, b| a.sup(&b));
+        let size_m = high - low;
+        if !USUAL_SIZE_M.contains(&size_m.max()) {
+            let [x, y, z] = [size_m.x, size_m.y, size_m.z].map(|m| 1e3 * m);
+            notes.push(format!(
+                "\"{name}\" is {x:.3} x {y:.3} x {z:.3} mm large: is the unit of its mesh right (unit_mm is 1 for millimetres, \
+                 25.4 for inches, 1000 for metres)?"
+            ));
+        }
+        let open = open_edges(vertices_m, triangles);
+        if open > 0 {
+            notes.push(format!(
+                "\"{name}\" has a mesh that is open at {open} edges, so it has no inside: its distances are to its \
+                 triangles, and what lies within it does not touch it"
+            ));
+        }
+        notes
+    }
+
     /// The triangles of a mesh that was read.
     #[must_use]
     pub fn of_mesh(mesh: &Mesh) -> Self {
@@ -196,4 +253,57 @@ pub(super) fn y_to_z() -> Isometry3<f64> {
 
 pub(super) fn to_parry(v: &Vector3<f64>) -> ParryVector {
     ParryVector::new(v.x, v.y, v.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box of triangles that each have corners of their own, as in an STL, without its last
+    /// `left_out` triangles.
+    fn sheets(side_m: f64, left_out: usize) -> Solid {
+        let corner = |k: u32| {
+            let at = |bit: u32| if k & bit == 0 { -0.0 } else { side_m };
+            Vector3::new(at(1), at(2), at(4))
+        };
+        let faces = [
+            [0, 1, 3, 2],
+            [4, 6, 7, 5],
+            [0, 4, 5, 1],
+            [2, 3, 7, 6],
+            [0, 2, 6, 4],
+            [1, 5, 7, 3],
+        ];
+        let halves = faces
+            .iter()
+            .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+        let kept: Vec<[u32; 3]> = halves.take(12 - left_out).collect();
+        Solid::Mesh {
+            vertices_m: kept.iter().flatten().map(|k| corner(*k)).collect(),
+            triangles: (0..kept.len() as u32)
+                .map(|n| [3 * n, 3 * n + 1, 3 * n + 2])
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn an_open_mesh_and_one_in_another_unit_are_told() {
+        assert!(sheets(0.3, 0).doubts("vice").is_empty());
+        let [open] = &sheets(0.3, 2).doubts("vice")[..] else {
+            panic!("one note");
+        };
+        assert!(
+            open.contains("\"vice\" has a mesh that is open at 4 edges"),
+            "{open}"
+        );
+        for (side_m, told) in [(0.01, "10.000 x 10.000 x 10.000 mm"), (10.0, "10000.000 x")] {
+            let [unit] = &sheets(side_m, 0).doubts("vice")[..] else {
+                panic!("one note");
+            };
+            assert!(
+                unit.contains(told) && unit.contains("25.4 for inches"),
+                "{unit}"
+            );
+        }
+    }
 }

@@ -3,7 +3,7 @@
 
 use super::clocks::{HEADER_STAMP, LOG_TIME, delay_s, delays_s};
 use super::resample::JITTER;
-use super::times::{is_later, median_step_s, time_column};
+use super::times::{is_later, median_step_s, not_taken_for_times, time_column};
 use super::{Table, TimeBase};
 use crate::unit::UserUnit;
 
@@ -100,7 +100,9 @@ pub fn facts(table: &Table) -> TableFacts {
             let found = time_facts(table, name, unit)?;
             Some(TimeFacts { guessed, ..found })
         }),
-        notes: table.notes.clone(),
+        notes: (table.notes.iter().cloned())
+            .chain(not_taken_for_times(table))
+            .collect(),
     }
 }
 
@@ -307,5 +309,20 @@ mod tests {
         assert_eq!(time("t", steps(0.004)), told("t", "s", true));
         let cut = steps(0.01).iter().map(|t| (t * 100.0).trunc()).collect();
         assert_eq!(time("t", cut), told("t", "s", true));
+    }
+
+    #[test]
+    fn a_column_that_is_called_time_and_does_not_rise_is_told() {
+        let rising: Vec<f64> = (0..50).map(f64::from).collect();
+        let falling: Vec<f64> = rising.iter().map(|t| 50.0 - t).collect();
+        let notes =
+            |t: &Vec<f64>| facts(&table(vec![("t_s", t.clone()), ("q", rising.clone())])).notes;
+        assert!(notes(&rising).is_empty());
+        let [told] = &notes(&falling)[..] else {
+            panic!("one note");
+        };
+        let expected =
+            "\"t_s\" is called as times are, but does not rise: 49 comes after 50 at row 2";
+        assert!(told.starts_with(expected), "{told}");
     }
 }

@@ -47,13 +47,34 @@ pub(super) fn time_column(table: &Table) -> Option<Times> {
 
 /// The column that is called so, with its unit.
 fn named_times(table: &Table) -> Option<Times> {
-    let column = table.columns.iter().find(|one| {
-        let bare = bare_name(&one.name);
-        // Rows that share a stamp are told of; they make the column no other one.
-        TIME_NAMES.contains(&bare.as_str()) && rises(&one.values, 0.01, |a, b| a <= b)
-    })?;
+    // Rows that share a stamp are told of; they make the column no other one.
+    let mut columns = table.columns.iter();
+    let column =
+        columns.find(|one| is_called_time(&one.name) && rises(&one.values, 0.01, |a, b| a <= b))?;
     let (unit, guessed) = time_unit(table, &column.name, &column.values);
     Some((column.name.clone(), unit, guessed))
+}
+
+/// That a column is called like times, and why it was not taken for them.
+pub(super) fn not_taken_for_times(table: &Table) -> Option<String> {
+    let is_known = |name: &str| [HEADER_STAMP, LOG_TIME].contains(&name) || is_called_time(name);
+    if time_column(table).is_some_and(|(name, ..)| is_known(&name)) {
+        return None;
+    }
+    let column = table.columns.iter().find(|one| is_called_time(&one.name))?;
+    let values = &column.values;
+    let row = (1..values.len()).find(|row| !is_later(values[row - 1], values[*row]))?;
+    Some(format!(
+        "\"{}\" is called as times are, but does not rise: {} comes after {} at {}",
+        column.name,
+        values[row],
+        values[row - 1],
+        table.place(row)
+    ))
+}
+
+fn is_called_time(name: &str) -> bool {
+    TIME_NAMES.contains(&bare_name(name).as_str())
 }
 
 /// A column's name without its unit and what it is part of: `Time [ms]`, `drive.t_s` and `time (s)`
@@ -87,11 +108,17 @@ fn time_unit(table: &Table, name: &str, values: &[f64]) -> (UserUnit, Option<&'s
         large if large > 1e14 => ("us", "by its size, as counted from 1970"),
         large if large > 1e11 => ("ms", "by its size, as counted from 1970"),
         _ if counts_slowly(values) => ("ms", "whole numbers that are farther apart than 1"),
+        _ if median_step_s(values).is_some_and(|step_s| step_s > SLOW_S) => ("s", IS_SLOW),
         _ => ("s", "for want of another"),
     };
     let unit = UserUnit::parse(by_name.unwrap_or(by_size)).unwrap_or_else(|_| Unit::Second.into());
     (unit, by_name.is_none().then_some(why))
 }
+
+/// Rows that are this far apart are rare of a machine that is measured: perhaps they are not.
+const SLOW_S: f64 = 0.1;
+const IS_SLOW: &str =
+    "for want of another: if they are milliseconds, rows come a thousand times as often";
 
 /// Whether times are whole numbers that in seconds would be less than one row a second: a logger
 /// that slow is rare, and one that counts milliseconds is not.

@@ -100,7 +100,11 @@ pub(crate) struct ChamferTable {
     ))]
     half_angle_deg: f64,
     /// Diameter of the hole before chamfering.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a hole has a diameter"))]
+    #[schemars(extend(
+        "minimum" = 0.1,
+        "maximum" = 1e4,
+        "x-rule" = "no hole that is chamfered is finer than a drill, or larger than a machine's bed"
+    ))]
     hole_diameter_mm: f64,
     /// Number of equally spaced cutting edges. Default: 1.
     #[schemars(range(min = 1, max = 64), extend("x-rule" = "a tool has 1 to 64 edges"))]

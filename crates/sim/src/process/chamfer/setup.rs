@@ -24,7 +24,7 @@ pub(crate) fn setup(
     let theory = match &spec.foot {
         // With several edges nothing rotates, and the conditions have nothing to say.
         Some(foot_spec) if spec.schedule.edges == 1 => {
-            slip_theory(&nominal, foot_spec, &compliance)?
+            slip_theory(&nominal, foot_spec, &compliance)
         }
         _ => None,
     };
@@ -84,11 +84,10 @@ fn slip_theory(
     parameters: &ChamferParameters,
     spec: &FootSpec,
     compliance: &Matrix3<f64>,
-) -> Result<Option<SlipTheory>, SimError> {
-    let Some(foot) = &parameters.foot else {
-        return Ok(None);
-    };
-    let lateral = axial_lateral_coupling(compliance)?;
+) -> Option<SlipTheory> {
+    let foot = parameters.foot.as_ref()?;
+    // On an arm that is rigid to one side no lateral force of a held foot is known.
+    let lateral = axial_lateral_coupling(compliance).ok()?;
     let across = compliance.fixed_view::<1, 2>(0, 1);
     let held_compliance = compliance[(0, 0)] - (across * lateral)[0];
     let arm = ArmCoupling {
@@ -104,7 +103,7 @@ fn slip_theory(
         axial_sign: parameters.cut.direction.axial_sign(),
     };
     let axial = 1.0 / compliance[(0, 0)];
-    Ok(theory::predict(
+    theory::predict(
         &cut,
         &spec.cylinders,
         |pressure| foot_spring(spec, pressure, axial),
@@ -112,5 +111,5 @@ fn slip_theory(
         &arm,
         // The last tooth meets this depth already cut.
         parameters.cut.schedule.depth_m - parameters.cut.schedule.feed_per_tooth_m(),
-    ))
+    )
 }
