@@ -47,7 +47,7 @@ unit = "um"
 # What releases the tool in RUN, and what the slide's drive gives.
 FORCE_N, LIMIT_N = 100, 20_000
 # Files of a run that has ended.
-WHOLE = ("recording.parquet", "recording.rrd", "summary.json")
+WHOLE = ("recording.parquet", "recording.rrd", "run.html", "summary.json")
 
 
 class Desk:

@@ -28,8 +28,6 @@ const WORTH_SEEING: f64 = 0.3;
 const BEYOND_LINE: f64 = 1.25;
 /// More points than this are no more than a screen shows.
 const MOST_POINTS: usize = 4000;
-/// From so many rows on a spectrum takes more memory than all else of a run.
-const LONG_ROWS: usize = 200_000;
 /// Below this a ramp shows, not a vibration.
 const LOWEST_HZ: f64 = 2.0;
 /// The scalar that names the frequency of chatter, and how many bins from it its line may stand.
@@ -70,27 +68,17 @@ pub(super) fn log_spectra(
         .iter()
         .filter(|group| group.place == Place::FrontWithSpectrum)
     {
-        let made = |series: &Series| {
-            amplitude_spectrum_up_to(time_s, seen.column(series.channel), HIGHEST_HZ)
-        };
-        // Those of a long run are held one at a time, and made twice.
-        let is_long = time_s.len() > LONG_ROWS;
-        let (mut lines, mut held) = (Vec::new(), Vec::new());
-        for series in &group.series {
-            let spectrum = made(series);
-            lines.extend(spectrum.iter().flat_map(highest_lines));
-            held.push(spectrum.filter(|_| !is_long));
-        }
-        let range_hz = range_hz(&lines);
-        let curve = |(series, held): (&Series, Option<Spectrum>)| {
-            let spectrum = match is_long {
-                true => made(series)?,
-                false => held?,
-            };
-            Some(spectrum_curve(series, &spectrum, group.least, range_hz))
-        };
-        let curves = group.series.iter().zip(held).filter_map(curve);
-        let mut curves: Vec<Curve> = curves.collect();
+        let spectra = group.series.iter().filter_map(|series| {
+            let values = seen.column(series.channel);
+            let spectrum = amplitude_spectrum_up_to(time_s, values, HIGHEST_HZ)?;
+            Some((series, spectrum))
+        });
+        let spectra: Vec<_> = spectra.collect();
+        let range_hz = range_hz(spectra.iter().map(|(_, spectrum)| spectrum));
+        let mut curves: Vec<Curve> = spectra
+            .iter()
+            .map(|(series, spectrum)| spectrum_curve(series, spectrum, group.least, range_hz))
+            .collect();
         if curves.is_empty() {
             continue;
         }
@@ -115,14 +103,11 @@ pub(super) fn log_spectra(
     Ok(drawn)
 }
 
-/// The lines by which a chart is as wide as it is.
-fn highest_lines(spectrum: &Spectrum) -> Vec<Line> {
-    spectrum.lines([LOWEST_HZ, HIGHEST_HZ], 3, 0.1)
-}
-
 /// How far spectra that share a chart are shown: as far as an arm vibrates, and beyond where one
 /// of the large lines stands.
-fn range_hz(lines: &[Line]) -> f64 {
+fn range_hz<'a>(spectra: impl Iterator<Item = &'a Spectrum>) -> f64 {
+    let lines = spectra.flat_map(|spectrum| spectrum.lines([LOWEST_HZ, HIGHEST_HZ], 3, 0.1));
+    let lines: Vec<Line> = lines.collect();
     let largest = (lines.iter()).fold(0.0, |largest: f64, line| largest.max(line.amplitude));
     let worth = lines
         .iter()
@@ -359,7 +344,7 @@ mod tests {
                     .map(|t| 3e-6 * (wave(12.0, *t) + share * wave(tooth_hz, *t)))
                     .collect();
                 let spectrum = amplitude_spectrum_up_to(&time_s, &values, HIGHEST_HZ);
-                let found_hz = range_hz(&highest_lines(&spectrum.expect("a spectrum")));
+                let found_hz = range_hz(spectrum.iter());
                 let expected_hz = match is_worth && tooth_hz > LEAST_RANGE_HZ {
                     true => BEYOND_LINE * tooth_hz,
                     false => LEAST_RANGE_HZ,

@@ -54,7 +54,7 @@ enum Target {
 
 /// A message that is written again.
 enum Kept {
-    Here(LogMsg),
+    Here(Box<LogMsg>),
     /// In the file, from this byte on, so many bytes: rows, which would take memory as they do.
     Written(u64, u64),
 }
@@ -252,7 +252,7 @@ impl Store {
         if let Some(kept) = &mut *self.kept.borrow_mut() {
             kept.push(match from {
                 Some((from, bytes)) => Kept::Written(from, bytes),
-                None => Kept::Here(message),
+                None => Kept::Here(Box::new(message)),
             });
         }
         Ok(())
