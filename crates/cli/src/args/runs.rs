@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
+use truecut_discrepancy::between::SEARCHES;
 use truecut_discrepancy::diagnose::Options;
 use truecut_scenario::Scenario;
 
@@ -88,7 +89,8 @@ pub struct DiagnoseArguments {
     /// Folder for outputs; the scenario gets a folder of its own in it
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
-    /// Most simulations that the search may make [default: 2500]
+    /// Most simulations that the search may make [default: 2500; with --between, whose searches
+    /// share them, 10000]
     #[arg(long, value_name = "N", value_parser = super::number::count)]
     max_runs: Option<std::num::NonZeroUsize>,
     /// Most causes that are named together [default: 4]
@@ -170,6 +172,9 @@ impl DiagnoseArguments {
     /// How far the search may go.
     pub fn options(&self) -> Options {
         let mut options = Options::default();
+        if self.between.is_some() {
+            options.max_predictions *= SEARCHES;
+        }
         if let Some(runs) = self.max_runs {
             options.max_predictions = runs.get();
         }

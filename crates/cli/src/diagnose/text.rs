@@ -206,7 +206,12 @@ pub fn unexplained(diagnosis: &Diagnosis) -> String {
         }
         None => format!("{share} of the discrepancy, if noise is all that has a memory"),
     };
-    told + &unbounded(diagnosis)
+    // What a curve explains has no cause that is known.
+    let beside = match diagnosis.curve.is_some() {
+        true => "beside causes and curve: ",
+        false => "",
+    };
+    beside.to_owned() + &told + &unbounded(diagnosis)
 }
 
 /// More than so many times the noise is no scatter of what is left.

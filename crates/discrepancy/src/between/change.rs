@@ -7,18 +7,18 @@ use truecut_scenario::effect::{Effect, ParameterInfo};
 use super::Between;
 use super::split::{bounds, split, twin};
 use crate::model::{Candidate, Columns, CurveCandidate, Model, PredictError};
-use crate::trial::Trial;
 use crate::trial::cache::Cache;
+use crate::trial::{Trial, of_kinds};
 
 /// A value that both recordings share is refitted within three of these parts of its size: what the
 /// first alone shows by another name may go.
 const SHARED_SIGMA: f64 = 0.5;
 
-/// Effects of the search are changes from the first recording to the second. Where the motion
-/// repeats, a prediction is the second's less the first's; elsewhere that of both, with numbers
-/// that they share refitted.
+/// Effects of the search are changes from the first recording to the second. A prediction is the
+/// second's less the first's, or that of both, with numbers that they share refitted.
 pub(super) struct Change<'a> {
     pair: &'a Between,
+    of: Of,
     /// Effects that act in both.
     shared: Vec<Effect>,
     /// The numbers of each recording's scenario, as far as they are not refitted.
@@ -29,16 +29,25 @@ pub(super) struct Change<'a> {
     first: Cache<FirstKey, Columns>,
 }
 
+/// What is predicted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Of {
+    /// The second recording less the first: their motion is the same.
+    Difference,
+    /// The first, then the second.
+    Both,
+}
+
 /// What the first recording is predicted for: samples, numbers, effects.
 type FirstKey = (usize, Vec<f64>, Vec<Effect>);
 
 impl<'a> Change<'a> {
     /// `own` are the numbers of the first recording's scenario as its diagnosis found them.
-    pub fn new(pair: &'a Between, own: &[f64], shared: Vec<Effect>) -> Change<'a> {
+    pub fn new(pair: &'a Between, of: Of, own: &[f64], shared: Vec<Effect>) -> Change<'a> {
         let common = pair.uncertain;
         let both = [&pair.first, &pair.second].map(|trial| trial.nominal());
         let mut nominal = Vec::new();
-        if !pair.repeats() {
+        if of == Of::Both {
             let refitted = both[0].iter().zip(own).map(|(spec, value)| UncertainSpec {
                 value: *value,
                 ..spec.clone()
@@ -47,7 +56,7 @@ impl<'a> Change<'a> {
         }
         // Where the second recording begins is its own.
         nominal.extend(both[1][common..].iter().cloned());
-        if !pair.repeats() {
+        if of == Of::Both {
             nominal.extend(shared.iter().flat_map(|effect| numbers(pair, effect)));
         }
         let second = own[..common].iter().copied();
@@ -56,6 +65,7 @@ impl<'a> Change<'a> {
             candidates: [pair.second.candidates(), pair.second.held().to_vec()].concat(),
             fixed: [own.to_vec(), second.chain(begun).collect()],
             pair,
+            of,
             shared,
             nominal,
             first: Cache::default(),
@@ -67,10 +77,9 @@ impl<'a> Change<'a> {
         &self.shared
     }
 
-    /// Numbers of the first recording's scenario, and what both share, as they were refitted.
-    pub fn settled(&self, nominal: &[f64]) -> (Vec<f64>, Vec<Effect>) {
-        let ([first, _], shared) = self.unpacked(nominal);
-        (first, shared)
+    /// Numbers of both recordings' scenarios, and what they share, as they were refitted.
+    pub fn settled(&self, nominal: &[f64]) -> ([Vec<f64>; 2], Vec<Effect>) {
+        self.unpacked(nominal)
     }
 
     /// Effects of the first and of the second recording, for changes of what both share.
@@ -83,7 +92,7 @@ impl<'a> Change<'a> {
         let common = self.pair.uncertain;
         let [mut first, mut second] = self.fixed.clone();
         let begins = second.len() - common;
-        if self.pair.repeats() {
+        if self.of == Of::Difference {
             second[common..].copy_from_slice(&nominal[..begins]);
             return ([first, second], self.shared.clone());
         }
@@ -115,10 +124,9 @@ impl<'a> Change<'a> {
         let [before, after] = split(&shared, held, changes);
         let overlap = self.pair.overlap;
         let rows = self.pair.first.observation.time_s.len();
-        let repeats = self.pair.repeats();
-        let [of_first, of_second] = match repeats {
-            true => [overlap.first + samples, overlap.second + samples],
-            false => [samples.min(rows), samples.saturating_sub(rows)],
+        let [of_first, of_second] = match self.of {
+            Of::Difference => [overlap.first + samples, overlap.second + samples],
+            Of::Both => [samples.min(rows), samples.saturating_sub(rows)],
         };
         let key = (of_first, own.clone(), before.clone());
         let made = || of_trial(&self.pair.first, of_first, &own, &before);
@@ -131,15 +139,15 @@ impl<'a> Change<'a> {
             _ => of_trial(&self.pair.second, of_second, &later, &after)?,
         };
         let pairs = first.iter().zip(&second);
-        Ok(match repeats {
-            true => pairs
+        Ok(match self.of {
+            Of::Difference => pairs
                 .map(|(a, b)| {
                     let a = &a[overlap.first..overlap.first + overlap.count];
                     let b = &b[overlap.second..overlap.second + overlap.count];
                     b.iter().zip(a).map(|(b, a)| b - a).collect()
                 })
                 .collect(),
-            false => pairs.map(|(a, b)| [a.as_slice(), b].concat()).collect(),
+            Of::Both => pairs.map(|(a, b)| [a.as_slice(), b].concat()).collect(),
         })
     }
 }
@@ -179,12 +187,13 @@ impl Model for Change<'_> {
         curves
     }
 
+    /// Those that the scenario holds, too.
     fn additive(&self) -> Vec<usize> {
-        self.pair.second.additive()
+        of_kinds(&self.candidates, |kind| self.pair.second.adds_up(kind))
     }
 
     fn late(&self) -> Vec<usize> {
-        self.pair.second.late()
+        of_kinds(&self.candidates, |kind| self.pair.second.comes_late(kind))
     }
 
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
@@ -224,6 +233,11 @@ fn of_trial(
     }
 }
 
+/// The name of a shared effect's value among the numbers that are refitted.
+pub(super) fn shared_key(effect: &Effect, info: &ParameterInfo) -> String {
+    format!("{effect}.{}", info.key)
+}
+
 /// The values of a shared effect as numbers to be refitted; a curve stays as it is.
 fn numbers(pair: &Between, effect: &Effect) -> Vec<UncertainSpec> {
     if effect.kind.is_curve() {
@@ -242,7 +256,7 @@ fn numbers(pair: &Between, effect: &Effect) -> Vec<UncertainSpec> {
             };
             let typical = own.map_or(size, |one| one.scale[i]);
             UncertainSpec {
-                key: format!("{effect}.{}", info.key),
+                key: shared_key(effect, info),
                 value: *value,
                 sigma: (SHARED_SIGMA * size.max(typical)).max(f64::MIN_POSITIVE),
             }

@@ -11,10 +11,13 @@ mod answer;
 mod change;
 mod join;
 mod motion;
+mod revised;
 mod search;
 mod shared;
 mod split;
+mod told;
 mod words;
+mod work;
 
 use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -26,10 +29,12 @@ use truecut_sim::SimError;
 
 use crate::diagnose::{DiagnoseError, Observation};
 use crate::model::Model;
+use crate::spikes::bridged;
 use crate::trial::Trial;
 pub use answer::{Answer, Changed, ChangedParameter, Changes, Compared, Rival, Verdict};
 pub use motion::Motion;
 pub use search::changes;
+pub use work::SEARCHES;
 
 /// Two recordings of one machine, and the scenario that both are held against.
 pub struct Between {
@@ -146,26 +151,17 @@ impl Between {
                 error: Box::new(error),
             })
         };
-        let same_rate = motion::resampled(second.clone(), first.interval_s(), 0.0);
+        // Spikes go before what is faster is smoothed, which would spread them.
+        let [first, second] = &[first, second].map(|one| bridged(scenario, one));
+        let interval_s = motion::common_interval_s(first, second);
+        let first = &motion::resampled(first, interval_s, 0.0);
+        let same_rate = motion::resampled(second, interval_s, 0.0);
         let later = motion::later(first, &same_rate);
         let first = trial(first)?;
         let every = every(&first);
         let (second, motion, rows) = match later {
             None => (same_rate, Motion::Different, 0),
-            Some((lag, unlike)) => {
-                // The second is taken at places that are whole intervals from those kept of the
-                // first.
-                let whole = (lag + 1e-3).floor();
-                let skipped = (whole as i64).rem_euclid(every as i64);
-                let begins = (lag - whole).max(0.0) + skipped as f64;
-                let motion = Motion::Repeated {
-                    later_s: lag * same_rate.interval_s(),
-                    unlike,
-                };
-                let interval_s = same_rate.interval_s();
-                let second = motion::resampled(same_rate, interval_s, begins);
-                (second, motion, (whole as i64 - skipped) / every as i64)
-            }
+            Some(found) => motion::placed(second, interval_s, found, every),
         };
         let second = trial(&second)?;
         check_alike(&first, &second)?;
@@ -310,3 +306,6 @@ fn check_alike(first: &Trial, second: &Trial) -> Result<(), BetweenError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

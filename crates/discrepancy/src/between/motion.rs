@@ -1,9 +1,10 @@
 //! Whether two recordings repeat one motion, and by how much one of them is shifted in time.
 
-use truecut_recording::measured::{Measured, MeasuredChannel, Pass};
+use truecut_recording::Unit;
+use truecut_recording::measured::{Measured, MeasuredChannel};
 
 use crate::stats::{deviation, mean};
-use crate::trial::noise::{cubic, weights, without_memory};
+use crate::trial::noise::{cubic, held_step, weights, without_memory};
 
 /// How the motions of two recordings compare.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,52 +31,66 @@ const COMPARED: usize = 1500;
 const PLACES: usize = 20;
 /// A shift of less than this part of an interval is none.
 const NO_SHIFT: f64 = 1e-3;
+/// From this ratio of intervals on a recording is slower than the other, which is smoothed.
+const SLOWER: f64 = 1.2;
 
 /// An input in both recordings.
 struct Input<'a> {
     first: &'a MeasuredChannel,
     second: &'a MeasuredChannel,
-    /// The larger of both.
+    /// What differences are held against: its own deviation, the larger of both, unless it stands
+    /// still.
     deviation: f64,
     /// Variances of the noise of each, over the square of the deviation.
     noises: [f64; 2],
+    /// Step of readings that hold still, where it is fine: so much apart is rounding.
+    count: f64,
 }
 
 /// An input that moves by less than this part of what another one of its unit does stands still:
-/// what it is apart is held against that.
+/// what it is apart is held against that; where none of them moves, against 1 rad or 1 m, by which
+/// a place changes the machine's levers, or against how large they are.
 const STANDS_STILL: f64 = 0.05;
+/// What deviates by less than so many times its noise without memory does not move.
+const NO_MOTION: f64 = 1.5;
 
 impl<'a> Input<'a> {
-    /// `largest` is the largest deviation of an input in the same unit.
-    fn of(first: &'a MeasuredChannel, second: &'a MeasuredChannel, largest: f64) -> Input<'a> {
+    /// `of_unit` is what inputs in the same unit do.
+    fn of([first, second]: [&'a MeasuredChannel; 2], of_unit: f64) -> Input<'a> {
         let both = [first, second];
-        let deviation = larger_deviation(both).max(STANDS_STILL * largest);
+        let deviation = larger_deviation(both).max(STANDS_STILL * of_unit);
         let noises = both.map(|one| without_memory(&one.values, &one.valid).powi(2));
         Input {
             first,
             second,
             deviation,
             noises: noises.map(|noise| noise / deviation.powi(2).max(f64::MIN_POSITIVE)),
+            count: match count(both) {
+                rounding if rounding < STANDS_STILL * deviation => rounding,
+                _ => 0.0,
+            },
         }
     }
 
     /// How unlike both are, beyond their noise, if the second comes `lag` intervals later.
     fn unlike(&self, lag: f64, stride: usize) -> f64 {
-        let [apart, chance] = self.apart(lag, stride);
+        let [apart, chance] = self.apart(lag, stride, self.count);
         (apart - chance).max(0.0).sqrt()
     }
 
     /// Mean square of what is apart if the second comes `lag` intervals later, without what noise
     /// gives in the mean, and by how much more it may give by chance; both over the square of the
-    /// deviation. The first is infinite where too few rows meet.
-    fn apart(&self, lag: f64, stride: usize) -> [f64; 2] {
+    /// deviation. What is apart by no more than `count` is not. The first is infinite where too few
+    /// rows meet.
+    fn apart(&self, lag: f64, stride: usize, count: f64) -> [f64; 2] {
         let rows = (0..self.first.values.len()).step_by(stride);
         let pairs = rows.filter_map(|row| {
             let place = row as f64 + lag;
             let later = (place >= 0.0)
                 .then(|| cubic(self.second, place))
                 .flatten()?;
-            self.first.valid[row].then(|| later - self.first.values[row])
+            let apart = (later - self.first.values[row]).abs();
+            self.first.valid[row].then(|| (apart - count).max(0.0))
         });
         let apart: Vec<f64> = pairs.collect();
         let shorter = self.first.values.len().min(self.second.values.len());
@@ -103,18 +118,39 @@ fn larger_deviation(both: [&MeasuredChannel; 2]) -> f64 {
     a.max(b)
 }
 
+/// Step of readings most of which are that of the sample before, the larger of both.
+fn count(both: [&MeasuredChannel; 2]) -> f64 {
+    let [a, b] = both.map(|one| held_step(&one.values, &one.valid));
+    a.max(b)
+}
+
+/// What the inputs in one unit do: the largest deviation of one that moves, or what their places
+/// are held against where none does.
+fn of_unit(pairs: &[[&MeasuredChannel; 2]], unit: Unit) -> f64 {
+    let alike = || pairs.iter().filter(|[one, _]| one.spec.unit == unit);
+    let moves = |one: &MeasuredChannel, count: f64| {
+        let noise = without_memory(&one.values, &one.valid);
+        deviation(&one.values) > (NO_MOTION * noise).max(count)
+    };
+    let moving = alike().filter(|both| both.iter().any(|one| moves(one, count(**both))));
+    let largest = moving.fold(0.0_f64, |most, both| most.max(larger_deviation(*both)));
+    if largest > 0.0 {
+        return largest;
+    }
+    match unit {
+        Unit::Radian | Unit::Metre => 1.0,
+        _ => (alike().flatten()).fold(0.0, |most, one| most.max(mean(&one.values).abs())),
+    }
+}
+
 /// Intervals by which the second recording comes later, and how unlike the inputs are there; `None`
 /// where it does not repeat the first. Both have the same interval.
 pub(super) fn later(first: &Measured, second: &Measured) -> Option<(f64, f64)> {
     let pairs: Vec<[&MeasuredChannel; 2]> = (first.inputs())
         .map(|one| Some([one, second.channel(&one.spec.name).ok()?]))
         .collect::<Option<_>>()?;
-    let largest = |unit| {
-        let alike = pairs.iter().filter(|[one, _]| one.spec.unit == unit);
-        alike.fold(0.0_f64, |most, pair| most.max(larger_deviation(*pair)))
-    };
     let inputs: Vec<Input> = (pairs.iter())
-        .map(|[one, other]| Input::of(one, other, largest(one.spec.unit)))
+        .map(|both| Input::of(*both, of_unit(&pairs, both[0].spec.unit)))
         .collect();
     if inputs.is_empty() || !first.passes.is_empty() || !second.passes.is_empty() {
         return as_they_are(first, second, &inputs);
@@ -143,9 +179,10 @@ pub(super) fn later(first: &Measured, second: &Measured) -> Option<(f64, f64)> {
         .filter(|&k| at(k) < UNLIKE && (k == 0 || at(k) <= at(k - 1)) && at(k) <= at(k + 1))
         .collect();
     minima.sort_by(|a, b| lags[*a].abs().total_cmp(&lags[*b].abs()));
-    // Chance is no part of where both are most alike: it would make the least a wide one.
+    // Chance and rounding are no part of where both are most alike: they would make the least a
+    // wide one.
     let apart = |lag: f64| -> f64 {
-        let each = inputs.iter().map(|input| input.apart(lag, stride)[0]);
+        let each = inputs.iter().map(|input| input.apart(lag, stride, 0.0)[0]);
         each.fold(f64::NEG_INFINITY, f64::max)
     };
     let mut ends = minima.iter().take(PLACES).map(|&k| {
@@ -155,22 +192,21 @@ pub(super) fn later(first: &Measured, second: &Measured) -> Option<(f64, f64)> {
     ends.find(|end| end.1 < AGAIN)
 }
 
-/// Recordings of which each sample has its place: nothing drives them, or they begin several times.
+/// Recordings of which each sample has its place: nothing drives them, or they begin several times,
+/// each time after as long as in the other.
 fn as_they_are(first: &Measured, second: &Measured, inputs: &[Input]) -> Option<(f64, f64)> {
     let [a, b] = [first, second].map(|one| one.passes());
-    let interval_s = first.interval_s();
-    let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * interval_s;
+    let later_s = b[0].start_s - a[0].start_s;
+    let slack_s = NO_SHIFT * first.interval_s();
     let same = a.len() == b.len()
-        && (a.iter().zip(&b)).all(|(a, b)| {
-            a.samples.start == b.samples.start
-                && near(
-                    first.time_s[a.samples.start] - a.start_s,
-                    second.time_s[b.samples.start] - b.start_s,
-                )
-        });
-    let most = inputs.iter().map(|input| input.unlike(0.0, 1));
+        && (a.iter().zip(&b)).all(|(a, b)| (b.start_s - a.start_s - later_s).abs() < slack_s);
+    let lag = match later_s.abs() < slack_s {
+        true => 0.0,
+        false => later_s / first.interval_s(),
+    };
+    let most = inputs.iter().map(|input| input.unlike(lag, 1));
     let most = most.fold(0.0, f64::max);
-    (same && most < AGAIN).then_some((0.0, most))
+    (same && most < AGAIN).then_some((lag, most))
 }
 
 /// Where the function is least, between these ends.
@@ -186,84 +222,45 @@ fn least(of: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Samples of a recording from the place `first` on, in intervals of `interval_s`; itself where
-/// they are its own.
-pub(super) fn resampled(measured: Measured, interval_s: f64, first: f64) -> Measured {
+/// Samples of a recording `interval_s` apart, from its time `start_s` on; itself where they are its
+/// own.
+pub(super) fn resampled(measured: &Measured, interval_s: f64, start_s: f64) -> Measured {
     let ratio = interval_s / measured.interval_s();
     let last = measured.time_s.len() - 1;
-    if (ratio - 1.0).abs() * (last as f64) < NO_SHIFT && first < NO_SHIFT {
-        return measured;
+    if (ratio - 1.0).abs() * (last as f64) < NO_SHIFT && start_s < NO_SHIFT * interval_s {
+        return measured.clone();
     }
-    let count = ((last as f64 - first) / ratio).floor() as usize + 1;
-    let places: Vec<f64> = (0..count).map(|k| first + k as f64 * ratio).collect();
-    let squares: Vec<f64> = (places.iter())
-        .map(|place| weights(place - place.floor()).map(|w| w * w).iter().sum())
-        .collect();
-    let at_an_end = |place: f64| place < 1.0 || place > last as f64 - 1.0;
-    let channels = (measured.channels.iter()).map(|channel| {
-        let value = |place: &f64| match at_an_end(*place) {
-            true => at_end(channel, *place),
-            false => cubic(channel, *place),
-        };
-        let found: Vec<Option<f64>> = places.iter().map(value).collect();
-        let near = |k: usize| channel.values[(places[k].round() as usize).min(last)];
-        MeasuredChannel {
-            values: (found.iter().enumerate())
-                .map(|(k, value)| value.unwrap_or_else(|| near(k)))
-                .collect(),
-            valid: found.iter().map(Option::is_some).collect(),
-            white_kept: channel.white_kept * mean(&squares),
-            ..channel.clone()
-        }
-    });
-    let channels = channels.collect();
-    let passes = passes_at(&measured, interval_s, first, count);
-    let mut there = Measured {
-        channels,
-        time_s: (0..count).map(|k| k as f64 * interval_s).collect(),
-        passes,
-        ..measured.clone()
+    measured.taken_anew(interval_s, start_s)
+}
+
+/// The second recording at places that are whole intervals from those that are kept of the first,
+/// one of `every`, and by how many of these it comes later: by `lag` intervals, at which inputs are
+/// apart by the part `unlike`.
+pub(super) fn placed(
+    second: &Measured,
+    interval_s: f64,
+    (lag, unlike): (f64, f64),
+    every: usize,
+) -> (Measured, Motion, i64) {
+    let whole = (lag + NO_SHIFT).floor();
+    let skipped = (whole as i64).rem_euclid(every as i64);
+    let begins = (lag - whole).max(0.0) + skipped as f64;
+    let motion = Motion::Repeated {
+        later_s: lag * interval_s,
+        unlike,
     };
-    for channel in &mut there.channels {
-        for (place, valid) in places.iter().zip(&mut channel.valid) {
-            *valid &= !meets_two(&measured.passes, *place);
-        }
+    let second = resampled(second, interval_s, begins * interval_s);
+    (second, motion, (whole as i64 - skipped) / every as i64)
+}
+
+/// What both recordings have in common is known at the rate of the slower; rates that are nearly
+/// the same count as that of the first.
+pub(super) fn common_interval_s(first: &Measured, second: &Measured) -> f64 {
+    let [first_s, second_s] = [first, second].map(Measured::interval_s);
+    match second_s > SLOWER * first_s {
+        true => second_s,
+        false => first_s,
     }
-    there
-}
-
-/// Runs of the process, their samples counted anew.
-fn passes_at(measured: &Measured, interval_s: f64, first: f64, count: usize) -> Vec<Pass> {
-    let old_s = measured.interval_s();
-    let anew = |sample: usize| {
-        let row = ((sample as f64 - first) * old_s / interval_s - NO_SHIFT).ceil();
-        (row.max(0.0) as usize).min(count)
-    };
-    let begins_s = first * old_s;
-    let passes = measured.passes.iter().map(|pass| Pass {
-        samples: anew(pass.samples.start)..anew(pass.samples.end),
-        start_s: (pass.start_s - begins_s).max(0.0),
-    });
-    passes.filter(|pass| !pass.samples.is_empty()).collect()
-}
-
-/// Whether the samples around a place belong to two runs.
-fn meets_two(passes: &[Pass], place: f64) -> bool {
-    let around = (place.floor() - 1.0).max(0.0) as usize..=place.floor() as usize + 2;
-    let mut begins = passes.iter().skip(1).map(|pass| pass.samples.start);
-    begins.any(|start| around.contains(&start) && *around.start() < start)
-}
-
-/// Value in the first or last interval, on the cubic through the four samples nearest to it.
-fn at_end(channel: &MeasuredChannel, place: f64) -> Option<f64> {
-    let first = match place < 1.0 {
-        true => 0,
-        false => channel.values.len().checked_sub(4)?,
-    };
-    let values = channel.values.get(first..first + 4)?;
-    let valid = channel.valid[first..first + 4].iter().all(|valid| *valid);
-    let weights = weights(place - (first + 1) as f64);
-    valid.then(|| weights.iter().zip(values).map(|(w, x)| w * x).sum())
 }
 
 #[cfg(test)]

@@ -4,9 +4,10 @@
 use truecut_scenario::effect::Effect;
 
 use super::Between;
-use super::change::Change;
+use super::change::{Change, Of};
 use super::split::{both, twin};
-use crate::diagnose::{Answer, DiagnoseError, Options, likelihood};
+use super::work::Work;
+use crate::diagnose::{Answer, DiagnoseError, likelihood};
 use crate::model::Model;
 
 /// Odds of 20 to 1, as a difference of minus twice the log-likelihood.
@@ -32,16 +33,20 @@ pub(super) fn anew(
     own: &[f64],
     model: &Change,
     found: &Answer,
-    options: &Options,
+    work: &mut Work,
 ) -> Result<Option<Anew>, DiagnoseError> {
     let data = &pair.observation;
-    let with = likelihood(model, data, options, &found.nominal, &found.effects)?;
-    let beyond = |shared: &[Effect], changes: &[Effect]| {
-        let rival = Change::new(pair, own, shared.to_vec());
+    let (with, made) = likelihood(model, data, work.options, &found.nominal, &found.effects)?;
+    work.made += made;
+    let mut beyond = |shared: &[Effect], changes: &[Effect]| {
+        let rival = Change::new(pair, Of::Both, own, shared.to_vec());
         let numbers: Vec<f64> = rival.nominal().iter().map(|one| one.value).collect();
         // What cannot be simulated is no explanation.
-        let value = likelihood(&rival, data, options, &numbers, changes);
-        value.map_or(f64::INFINITY, |value| value - with)
+        let Ok((value, made)) = likelihood(&rival, data, work.options, &numbers, changes) else {
+            return f64::INFINITY;
+        };
+        work.made += made;
+        value - with
     };
     let is_new = |change: &&Effect| {
         !change.kind.is_curve() && twin(model.shared(), &[], change.kind, &change.target).is_none()

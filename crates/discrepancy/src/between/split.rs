@@ -3,6 +3,7 @@
 use truecut_scenario::effect::{Effect, EffectKind, ParameterInfo, Target};
 
 use crate::model::Candidate;
+use crate::trial::curves::rubs;
 
 /// The effect of this kind and target that both recordings have, if any: one that was found, or of
 /// the scenario itself.
@@ -42,7 +43,11 @@ pub(super) fn split(shared: &[Effect], held: &[Effect], changes: &[Effect]) -> [
     let mut sides = [shared.to_vec(), shared.to_vec()];
     for change in changes {
         let known = twin(shared, held, change.kind, &change.target);
-        for (side, effect) in sides.iter_mut().zip(both(change, known)) {
+        let own = match change.kind.is_curve() {
+            true => both_curves(change, rubs_already(shared, held, &change.target)),
+            false => both(change, known),
+        };
+        for (side, effect) in sides.iter_mut().zip(own) {
             let place = |own: &Effect| own.kind == effect.kind && own.target == effect.target;
             match side.iter().position(place) {
                 Some(place) => side[place] = effect,
@@ -54,14 +59,29 @@ pub(super) fn split(shared: &[Effect], held: &[Effect], changes: &[Effect]) -> [
     sides
 }
 
+/// Whether both recordings have friction in a joint, which a change may take away.
+fn rubs_already(shared: &[Effect], held: &[Effect], target: &Target) -> bool {
+    let mut known = shared.iter().chain(held);
+    known.any(|one| rubs(one.kind) && one.target == *target)
+}
+
+/// A curve before and after. No friction drives a joint: where it has become less, and none is
+/// known that it could take away, it was there before.
+fn both_curves(change: &Effect, rubs_already: bool) -> [Effect; 2] {
+    let mut sides = [change.clone(), change.clone()];
+    let ends = 2.min(change.values.len());
+    let was_there = rubs(change.kind) && !rubs_already;
+    for (i, value) in change.values.iter().enumerate().skip(ends) {
+        let before = if was_there { (-value).max(0.0) } else { 0.0 };
+        sides[0].values[i] = before;
+        sides[1].values[i] = value + before;
+    }
+    sides
+}
+
 /// One effect before and after a change.
 pub(super) fn both(change: &Effect, known: Option<&Effect>) -> [Effect; 2] {
     let mut sides = [change.clone(), change.clone()];
-    if change.kind.is_curve() {
-        let ends = 2.min(change.values.len());
-        sides[0].values[ends..].fill(0.0);
-        return sides;
-    }
     for (i, info) in change.kind.parameters().iter().enumerate() {
         let own = known.map(|one| one.values[i]);
         let [before, after] = if info.is_size {
@@ -109,6 +129,30 @@ mod tests {
         assert_eq!((before, after), (vec![friction(2.5)], vec![friction(0.0)]));
         let [before, after] = split(&[], &[], &[friction(2.0)]);
         assert_eq!((before, after), (vec![], vec![friction(2.0)]));
+    }
+
+    /// Friction that has become less at some places was there before: none of a recording's drives
+    /// the joint. A force may push either way, and so may what takes from friction that is known.
+    #[test]
+    fn verify_no_friction_drives_a_joint() {
+        let curve = |kind: EffectKind, values: &[f64]| Effect {
+            kind,
+            target: Target::Joint(1),
+            values: [&[-1.0, 1.0], values].concat(),
+        };
+        for kind in [
+            EffectKind::JointFrictionByPosition,
+            EffectKind::JointFrictionBySpeed,
+        ] {
+            let change = [curve(kind, &[2.0, -3.0, 0.5, -1.0])];
+            let [before, after] = split(&[], &[], &change);
+            assert_eq!(before, [curve(kind, &[0.0, 3.0, 0.0, 1.0])]);
+            assert_eq!(after, [curve(kind, &[2.0, 0.0, 0.5, 0.0])]);
+            let [_, after] = split(&[friction(4.0)], &[], &change);
+            assert_eq!(after[1], change[0]);
+        }
+        let force = [curve(EffectKind::JointPositionCurve, &[2.0, -3.0])];
+        assert_eq!(split(&[], &[], &force)[1], force);
     }
 
     #[test]

@@ -289,6 +289,23 @@ pub struct Diagnosis {
     pub work: Work,
 }
 
+/// A channel whose error falls below this part of what it was is explained for the most part.
+const MOSTLY: f64 = 0.5;
+
+impl Diagnosis {
+    /// The channel whose error the causes take away most of, where they leave much of what stands
+    /// out of the noise: a small part of that may be most of what one sees.
+    pub fn most_fallen(&self) -> Option<(&str, &ChannelErrors)> {
+        if self.unexplained_fraction <= MOSTLY {
+            return None;
+        }
+        let part = |errors: &ChannelErrors| errors.after / errors.refitted;
+        let fallen = (self.channels.iter()).filter(|(_, errors)| part(errors) < MOSTLY);
+        let most = fallen.min_by(|a, b| part(a.1).total_cmp(&part(b.1)))?;
+        Some((most.0.as_str(), most.1))
+    }
+}
+
 impl FitRecord {
     pub(super) fn new(problem: &Problem, trial: &FitTrial) -> FitRecord {
         let end = trial.end.as_ref();

@@ -245,7 +245,7 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
     };
     let stopped = format!(
         "The search stopped at the limit of {} simulations before it had looked at everything.",
-        problem.options.max_predictions
+        problem.allowed()
     );
     (diagnosis.verdict, diagnosis.reason) = if outcome.stopped && diagnosis.causes.is_empty() {
         diagnosis.unexplained_fraction = 1.0;
@@ -258,9 +258,16 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
         without_cause(problem, followed, diagnosis)
     } else if prevails || diagnosis.unexplained_fraction > problem.options.unknown_above {
         let followed = followed.unwrap_or_else(|| "a pattern is left".into());
-        let reason = format!(
-            "The effects known leave {percent} % of the discrepancy unexplained; {followed}."
-        );
+        let of_what = match diagnosis.most_fallen() {
+            Some((name, errors)) => format!(
+                "of what stands out of the noise unexplained, though the error of `{name}` falls from {} to {} {}",
+                truecut_recording::significant(errors.refitted, 3),
+                truecut_recording::significant(errors.after, 3),
+                errors.unit
+            ),
+            None => "of the discrepancy unexplained".to_owned(),
+        };
+        let reason = format!("The effects known leave {percent} % {of_what}; {followed}.");
         (Verdict::UnknownCause, reason)
     } else if diagnosis.alternatives.is_empty() {
         let explained = match followed {
@@ -294,7 +301,7 @@ fn judge(problem: &Problem, excess: Option<Excess>, outcome: &Outcome, diagnosis
         // Up to noise that is known there is nothing more.
         (_, true) if is_more || !known => Some(format!(
             "The search ended at the limit of {} causes, and more is there.",
-            diagnosis.causes.len()
+            outcome.chosen.point.effects.len()
         )),
         _ => None,
     };

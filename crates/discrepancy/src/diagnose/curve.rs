@@ -149,7 +149,13 @@ fn started(problem: &Problem, point: Point, candidate: usize, orders: &[usize]) 
         let white = vec![0; orders.len()];
         Some(objective(problem, &residual, &problem.split.train, &white))
     };
-    let tried = LEVELS.iter().map(|level| at(*level));
+    // A friction that may be taken away may have become less.
+    let falls = problem.infos(candidate)[0].min < 0.0;
+    let levels = LEVELS.iter().flat_map(|level| match falls {
+        true => vec![*level, -level],
+        false => vec![*level],
+    });
+    let tried = levels.map(at);
     let tried = tried.filter_map(|point| Some((left(&point)?, point)));
     tried
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -296,3 +302,6 @@ fn told(problem: &Problem, ended: &Fit, gain: f64) -> Result<UnknownCurve, Diagn
 fn at(effect: &Effect, x: f64) -> f64 {
     effect.curve().map_or(0.0, |curve| curve.value(x))
 }
+
+#[cfg(test)]
+mod tests;

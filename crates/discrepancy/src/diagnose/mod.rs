@@ -16,6 +16,7 @@
 
 mod ambiguity;
 mod answer;
+mod budget;
 mod ceiling;
 mod choice;
 mod conclude;
@@ -35,6 +36,7 @@ mod orders;
 mod pairs;
 mod problem;
 mod race;
+mod refit;
 mod resonance;
 mod revise;
 mod scan;
@@ -62,9 +64,11 @@ pub use answer::{
     Alternative, Cause, Ceiling, Change, ChannelErrors, CorrelatedSignal, Diagnosis, Evidence,
     FitRecord, Nominal, Parameter, Proposal, SmallestSeen, UnknownCurve, Verdict, Work,
 };
+pub(crate) use budget::Part;
 pub(crate) use conclude::breaks_away_from;
 pub use data::{Fine, MIN_SAMPLES, Observation, Output, Regressor};
 pub use floor::{NoiseSample, NoiseSource};
+pub(crate) use refit::{Refit, likelihood, refitted};
 
 /// Options of a diagnosis.
 #[derive(Debug, Clone, PartialEq)]
@@ -224,23 +228,23 @@ pub fn diagnose(
     options: &Options,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Answer, DiagnoseError> {
-    explain(model, data, options, progress, true)
+    explain(model, data, options, progress, Part::all(options))
 }
 
-/// As [`diagnose`]; units are checked if asked for.
+/// As [`diagnose`], as a part of a larger search.
 pub(crate) fn explain(
     model: &dyn Model,
     data: &Observation,
     options: &Options,
     progress: &(dyn Fn(Progress) + Sync),
-    has_units: bool,
+    part: Part,
 ) -> Result<Answer, DiagnoseError> {
     let begun = Instant::now();
     data.check(model.channels().len())?;
-    let problem = problem::Problem::new(model, data, options, progress);
+    let problem = problem::Problem::new(model, data, options, progress).within(part);
     problem.split.check()?;
     let before = problem.predict_whole(&problem.start())?;
-    if has_units {
+    if part.has_units {
         check_units(model, data, &before)
             .map_err(|error| clock_or_unit(model, data, &before, error))?;
     }
@@ -251,6 +255,10 @@ pub(crate) fn explain(
             conclude::conclude(&problem, before, outcome)?
         }
     };
+    if part.has_units {
+        let untried = doubts::untried(model.nominal(), &answer.diagnosis);
+        answer.diagnosis.doubts.extend(untried);
+    }
     if let Some(told) = set_up_doubt(model, data, &answer.after) {
         // Causes in a set-up that is not the machine's are none.
         answer.unname(problem.start().nominal);
@@ -290,27 +298,6 @@ impl Answer {
         self.effects.clear();
         self.after.clone_from(&self.before);
     }
-}
-
-/// Minus twice the log-likelihood of the data, with the numbers of these effects and the nominal
-/// ones fitted to all but the last part.
-///
-/// # Errors
-/// The simulation cannot be run.
-pub(crate) fn likelihood(
-    model: &dyn Model,
-    data: &Observation,
-    options: &Options,
-    nominal: &[f64],
-    effects: &[Effect],
-) -> Result<f64, DiagnoseError> {
-    let quiet = |_: Progress| {};
-    let problem = problem::Problem::new(model, data, options, &quiet);
-    let start = problem.at(nominal, effects);
-    let rows = &problem.split.development;
-    let residual = data.residual(&problem.predict(&start)?);
-    let orders = noise::Noise::orders(&residual, rows, &problem.floor);
-    Ok(fit::fit(&problem, start, rows, &orders, true)?.objective)
 }
 
 /// A factor on drive forces may be what a clock does to them.

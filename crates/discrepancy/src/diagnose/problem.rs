@@ -1,14 +1,13 @@
 //! Model, data and bookkeeping in one place; points of the search and their parameters.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use truecut_scenario::UncertainSpec;
 use truecut_scenario::effect::{Effect, ParameterInfo};
 
+use super::budget::{Budget, Part};
 use super::data::{Observation, Rows, Split};
 use super::floor::{Floor, floors};
 use super::noise::Prior;
-use super::{Options, Progress, Stage};
+use super::{Options, Progress};
 use crate::model::{Candidate, Columns, CurveCandidate, Model, PredictError};
 
 pub(super) struct Problem<'a> {
@@ -29,8 +28,7 @@ pub(super) struct Problem<'a> {
     pub floor: Vec<f64>,
     /// What is known of each channel's noise.
     pub known: Vec<Option<Floor>>,
-    progress: &'a (dyn Fn(Progress) + Sync),
-    predictions: AtomicUsize,
+    pub(super) budget: Budget<'a>,
 }
 
 /// An effect with its values.
@@ -97,9 +95,6 @@ pub(super) struct Variable {
     pub prior: Prior,
 }
 
-/// One part in so many of the predictions is kept for the conclusion.
-const KEPT_PART: usize = 10;
-
 /// Standard deviation of a curve's values before the data are seen, in typical sizes: as large as
 /// all that the joint carries. Where the data do not go, a curve is not there.
 const OF_A_CURVE: f64 = 10.0;
@@ -137,33 +132,14 @@ impl<'a> Problem<'a> {
             split: Split::new(data),
             floor: floor.collect(),
             known: floors(&data.outputs),
-            progress,
-            predictions: AtomicUsize::new(0),
+            budget: Budget::new(options, progress),
         }
     }
 
-    pub fn report(&self, stage: Stage) {
-        (self.progress)(Progress {
-            stage,
-            predictions: self.predictions(),
-            max_predictions: self.options.max_predictions,
-        });
-    }
-
-    pub fn predictions(&self) -> usize {
-        self.predictions.load(Ordering::Relaxed)
-    }
-
-    /// Counts a prediction that was not made through [`Problem::predict`].
-    pub fn count_prediction(&self) {
-        self.predictions.fetch_add(1, Ordering::Relaxed);
-    }
-
-    /// Predictions that the search may still make; a part of those allowed is kept for the
-    /// conclusion.
-    pub fn left(&self) -> usize {
-        let for_search = self.options.max_predictions / KEPT_PART * (KEPT_PART - 1);
-        for_search.saturating_sub(self.predictions())
+    /// As a part of a larger search.
+    pub fn within(mut self, part: Part) -> Problem<'a> {
+        self.budget = self.budget.within(part);
+        self
     }
 
     /// A prediction for the samples before the test part: the search sees no others.
@@ -196,7 +172,7 @@ impl<'a> Problem<'a> {
 
     fn predict_first(&self, samples: usize, point: &Point) -> Result<Columns, PredictError> {
         let effects = self.effects(point);
-        self.predictions.fetch_add(1, Ordering::Relaxed);
+        self.count_prediction();
         let columns = if samples < self.data.time_s.len() {
             (self.model).predict_first(samples, &point.nominal, &effects)?
         } else {

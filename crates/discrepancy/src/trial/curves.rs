@@ -44,23 +44,25 @@ pub(super) fn curves(scenario: &Scenario, signals: &Signals) -> Vec<CurveCandida
 /// A friction is at least nothing where the scenario gives the joint none; where it does, a curve
 /// may take it away.
 fn least(scenario: &Scenario, kind: EffectKind, joint: usize) -> f64 {
-    use EffectKind as E;
-    let rubs = |kind: EffectKind| {
-        matches!(
-            kind,
-            E::JointCoulomb
-                | E::JointViscous
-                | E::JointAsymmetricCoulomb
-                | E::JointAsymmetricViscous
-                | E::JointStribeck
-                | E::JointLoadFriction
-                | E::JointFrictionByPosition
-                | E::JointFrictionBySpeed
-        )
-    };
     let own = |effect: &Effect| effect.target == Target::Joint(joint) && rubs(effect.kind);
     match rubs(kind) && !scenario.effects.iter().any(own) {
         true => 0.0,
         false => f64::NEG_INFINITY,
     }
+}
+
+/// Whether it is friction of a joint.
+pub(crate) fn rubs(kind: EffectKind) -> bool {
+    use EffectKind as E;
+    matches!(
+        kind,
+        E::JointCoulomb
+            | E::JointViscous
+            | E::JointAsymmetricCoulomb
+            | E::JointAsymmetricViscous
+            | E::JointStribeck
+            | E::JointLoadFriction
+            | E::JointFrictionByPosition
+            | E::JointFrictionBySpeed
+    )
 }

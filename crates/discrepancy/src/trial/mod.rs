@@ -6,7 +6,7 @@
 
 pub(crate) mod cache;
 mod candidates;
-mod curves;
+pub(crate) mod curves;
 mod experiments;
 mod jumps;
 pub(crate) mod noise;
@@ -324,20 +324,11 @@ impl Model for Trial {
     }
 
     fn additive(&self) -> Vec<usize> {
-        use EffectKind::{JointCoulomb, JointOffset, JointViscous};
-        if !matches!(self.engine, Kind::Inverse { .. }) {
-            return Vec::new();
-        }
-        let adds = |one: &Candidate| [JointCoulomb, JointOffset, JointViscous].contains(&one.kind);
-        (0..self.candidates.len())
-            .filter(|&i| adds(&self.candidates[i]))
-            .collect()
+        of_kinds(&self.candidates, |kind| self.adds_up(kind))
     }
 
     fn late(&self) -> Vec<usize> {
-        let late = |kind| candidates::delays_drive_forces(&self.scenario, kind);
-        let all = 0..self.candidates.len();
-        all.filter(|&i| late(self.candidates[i].kind)).collect()
+        of_kinds(&self.candidates, |kind| self.comes_late(kind))
     }
 
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
@@ -388,6 +379,15 @@ impl Model for Trial {
         let rows = self.run(&scenario, self.reduced(), None)?;
         Ok(self.at_the_data(&rows))
     }
+}
+
+/// Numbers of the candidates of such kinds.
+pub(crate) fn of_kinds(
+    candidates: &[Candidate],
+    is_such: impl Fn(EffectKind) -> bool,
+) -> Vec<usize> {
+    let all = 0..candidates.len();
+    all.filter(|&i| is_such(candidates[i].kind)).collect()
 }
 
 fn mode(scenario: &Scenario) -> Option<ReplayMode> {

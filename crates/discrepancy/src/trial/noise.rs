@@ -10,7 +10,7 @@ use truecut_sim::InverseModel;
 
 use self::period::period;
 pub(crate) use self::period::{cubic, weights};
-use self::steps::held_step;
+pub(crate) use self::steps::held_step;
 use crate::diagnose::{NoiseSample, NoiseSource};
 use crate::stats::{deviation, mean};
 

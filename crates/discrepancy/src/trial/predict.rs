@@ -3,12 +3,13 @@
 
 use truecut_recording::{ChannelSpec, Outcome};
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{ClockEffect, Effect, SensorEffect, Typed};
+use truecut_scenario::effect::{ClockEffect, Effect, EffectKind, SensorEffect, Typed};
 use truecut_sim::SimError;
 use truecut_sim::measurement::{ChannelModel, Sensors};
 use truecut_sim::run::{self, Engine, Rows};
 
 use super::cache::RunKey;
+use super::candidates::delays_drive_forces;
 use super::{EARLIEST_S, Kind, Trial, parallel, reduced, sampling};
 use crate::model::{Candidate, Columns, PredictError};
 
@@ -32,6 +33,18 @@ impl Trial {
     /// Effects that the scenario has itself, as candidates.
     pub(crate) fn held(&self) -> &[Candidate] {
         &self.held
+    }
+
+    /// Whether effects of this kind each add to the outputs in proportion to their sizes.
+    pub(crate) fn adds_up(&self, kind: EffectKind) -> bool {
+        use EffectKind::{JointCoulomb, JointOffset, JointViscous};
+        let adds = [JointCoulomb, JointOffset, JointViscous].contains(&kind);
+        adds && matches!(self.engine, Kind::Inverse { .. })
+    }
+
+    /// Whether effects of this kind are looked for at the end, beside causes found.
+    pub(crate) fn comes_late(&self, kind: EffectKind) -> bool {
+        delays_drive_forces(&self.scenario, kind)
     }
 
     pub(super) fn reduced(&self) -> Engine {

@@ -1,6 +1,7 @@
 //! Set-ups that people mistake for one another, and what drive forces would be in them.
 
 use nalgebra::{DMatrix, DVector, Vector3};
+use rayon::prelude::*;
 use truecut_sim::InverseModel;
 
 use super::parallel::picked;
@@ -45,11 +46,38 @@ pub(super) fn of_drive_forces(
         (told, down, speed)
     });
     let others = hangs.filter(|(_, direction, _)| (direction - down).norm() > 0.5);
-    let made = others.chain(clocks).filter_map(|(told, direction, speed)| {
-        let other = model.set_up(direction, speed);
+    let others = others.chain(clocks).map(|(told, direction, speed)| {
+        let made = move || (model.set_up(direction, speed), None);
+        (told, Box::new(made) as Other)
+    });
+    let reversed = (model.joints().iter().enumerate()).flat_map(|(channel, &joint)| {
+        let number = joint + 1;
+        [
+            (
+                format!(
+                    "the sign of joint {number}'s coordinate looks reversed (scale = -1 in its [[data.channel]], or check \
+                     the column)"
+                ),
+                Box::new(move || (model.reversed(joint), None)) as Other,
+            ),
+            (
+                format!(
+                    "the axis of joint {number} looks reversed (it points the other way in the robot's file than in the \
+                     data: the signs of its coordinate and of its drive force)"
+                ),
+                Box::new(move || (model.reversed(joint), Some(channel))) as Other,
+            ),
+        ]
+    });
+    let all: Vec<(String, Other)> = others.chain(reversed).collect();
+    let made = all.into_par_iter().filter_map(|(told, other)| {
+        let (other, opposite) = other();
         let predicted = other.predict(&[]).ok()?;
         let predicted = predicted.iter().enumerate().map(|(channel, column)| {
-            let column = picked(column, every);
+            let mut column = picked(column, every);
+            if opposite == Some(channel) {
+                column.iter_mut().for_each(|force| *force = -*force);
+            }
             with_friction(&other, channel, every, data, column)
         });
         Some(SetUp {
@@ -59,6 +87,10 @@ pub(super) fn of_drive_forces(
     });
     made.collect()
 }
+
+/// What makes the arm in another set-up, and the channel whose drive force has the other sign
+/// there.
+type Other<'a> = Box<dyn Fn() -> (InverseModel, Option<usize>) + Send + Sync + 'a>;
 
 /// The prediction of a channel with the viscous and dry friction and the offset of its joint that
 /// fit best: no set-up is judged by what it says nothing about.

@@ -187,8 +187,8 @@ fn swung(down: [f64; 3], speed: f64, effects: &[Effect]) -> (Scenario, Measured)
     (scenario, measured)
 }
 
-/// An arm that hangs and a clock that is not the data's are told; friction of the joints, and a
-/// payload, are no set-up.
+/// An arm that hangs, a clock that is not the data's and a sign that is reversed are told; friction
+/// of the joints, and a payload, are no set-up.
 #[test]
 fn another_set_up_is_told_and_a_cause_is_none() {
     let floor = [0.0, 0.0, -1.0];
@@ -204,6 +204,28 @@ fn another_set_up_is_told_and_a_cause_is_none() {
         (floor, 0.25, "4 times slower than"),
     ] {
         let found = told(&swung(down, speed, &[])).unwrap_or_else(|| panic!("{words}: nothing"));
+        assert!(found.contains(words), "{words}: {found}");
+    }
+    // A column times -1, and an axis that points the other way: both signs of it.
+    for (joint, signs, words) in [
+        (
+            0,
+            [-1.0, 1.0],
+            "the sign of joint 1's coordinate looks reversed",
+        ),
+        (
+            1,
+            [-1.0, 1.0],
+            "the sign of joint 2's coordinate looks reversed",
+        ),
+        (1, [-1.0, -1.0], "the axis of joint 2 looks reversed"),
+    ] {
+        let mut made = swung(floor, 1.0, &[]);
+        for (channel, sign) in [joint, 2 + joint].into_iter().zip(signs) {
+            let values = &mut made.1.channels[channel].values;
+            values.iter_mut().for_each(|x| *x *= sign);
+        }
+        let found = told(&made).unwrap_or_else(|| panic!("{words}: nothing"));
         assert!(found.contains(words), "{words}: {found}");
     }
     assert_eq!(told(&swung(floor, 1.0, &[])), None);

@@ -4,6 +4,7 @@
 //! columns to channels, checks them, masks what is not a measurement, and resamples. Everything
 //! that was done to the data is said in [`Measured::notes`].
 
+mod anew;
 mod clocks;
 mod columns;
 mod combination;

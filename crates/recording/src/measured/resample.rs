@@ -72,8 +72,13 @@ impl Series {
         if self.is_smoothed(base) {
             return 1.0;
         }
-        let squares = self.on(base.start_s, base.interval_s, base.samples, 0.0);
-        squares.map(|place| place.squares()).sum::<f64>() / base.samples as f64
+        let squares = self.places(base).map(|place| place.squares());
+        squares.sum::<f64>() / base.samples as f64
+    }
+
+    /// Where on the series the times of the result lie.
+    pub fn places(&self, base: &Base) -> impl Iterator<Item = Place> + '_ {
+        self.on(base.start_s, base.interval_s, base.samples, 0.0)
     }
 
     /// Where on the series uniform times lie; cubics cross gaps of `smooth_gap_s`.
@@ -228,6 +233,18 @@ impl Base {
         })
     }
 
+    /// From a time on within data of this length and this interval.
+    pub fn within(start_s: f64, interval_s: f64, duration_s: f64, file_interval_s: f64) -> Base {
+        // A last sample that rounding put just beyond the end still counts.
+        let count = ((duration_s - start_s) / interval_s + 1e-3).floor() + 1.0;
+        Base {
+            start_s,
+            interval_s,
+            samples: count.max(1.0) as usize,
+            file_interval_s,
+        }
+    }
+
     /// Time of the file that is 0 here, s.
     pub fn start_s(&self) -> f64 {
         self.start_s
@@ -255,14 +272,19 @@ impl Base {
             significant(mapping.max_gap_s, 3),
             significant(self.start_s, 7),
         )];
-        if self.interval_s > FASTER * self.file_interval_s {
-            notes.push(format!(
+        notes.extend(self.smoothed());
+        notes
+    }
+
+    /// That channels are smoothed, if so.
+    pub fn smoothed(&self) -> Option<String> {
+        (self.interval_s > FASTER * self.file_interval_s).then(|| {
+            format!(
                 "channels sampled faster are smoothed first: Butterworth of order {ANTI_ALIAS_ORDER}, forward \
                  and backward, cutoff {} Hz",
                 significant(ANTI_ALIAS_SHARE / self.interval_s, 4)
-            ));
-        }
-        notes
+            )
+        })
     }
 }
 

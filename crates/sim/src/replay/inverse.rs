@@ -6,6 +6,8 @@
 //! second filter, so that neither leads nor lags. The practice is that of `gautier1997` and
 //! `janot2014`.
 
+mod set_ups;
+
 use super::drive_forces::{FILTER_ORDER, filtered};
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::Motion;
@@ -162,22 +164,6 @@ impl InverseModel {
     /// The same arm in unrelated states, unfiltered: what is alike there, no motion tells apart.
     pub fn in_any_state(&self, states: usize) -> InverseModel {
         self.along(self.motion.of_any_states(states), self.unfiltered())
-    }
-
-    /// The same arm and data under gravity along a unit vector, and `speed` times as fast. What a
-    /// payload adds stays that of the scenario.
-    pub fn set_up(&self, gravity_direction: Vector3<f64>, speed: f64) -> InverseModel {
-        let motion = self.motion.set_up(gravity_direction, speed);
-        InverseModel {
-            nominal: nominal(&self.robot, &motion, &self.joints, &self.filter),
-            motion,
-            ..self.clone()
-        }
-    }
-
-    /// Where gravity points in the scenario; `None` without.
-    pub fn gravity_direction(&self) -> Option<Vector3<f64>> {
-        self.motion.gravity_m_s2.try_normalize(0.0)
     }
 
     /// The same arm along another motion of all joints, at its times, unfiltered.

@@ -69,6 +69,19 @@ impl Motion {
         }
     }
 
+    /// The same course with one joint's coordinate reversed.
+    pub fn reversed(&self, joint: usize) -> Motion {
+        let mut motion = self.clone();
+        for columns in [
+            &mut motion.position,
+            &mut motion.velocity,
+            &mut motion.acceleration,
+        ] {
+            columns[joint].iter_mut().for_each(|x| *x = -*x);
+        }
+        motion
+    }
+
     /// Unrelated states of all joints: coordinates, speeds and accelerations even between -pi and
     /// pi, SI. The same in every call.
     pub fn of_any_states(&self, states: usize) -> Motion {

@@ -34,7 +34,7 @@ pub fn diagnose(
     let files = files::prepare(scenario, &folder, recordings)?;
     let failed = |error| refused(scenario, error);
     let pair = Between::new(scenario, &first, &second).map_err(failed)?;
-    let most = 2 * options.max_predictions as u64;
+    let most = options.max_predictions as u64;
     let bar = PatientBar::new(most, "{msg:32} {wide_bar} {pos} runs  {elapsed}");
     let show = |now: Progress| {
         bar.tell(|bar| {

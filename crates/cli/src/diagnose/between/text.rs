@@ -142,7 +142,7 @@ pub fn shared(found: &Changes) -> Option<String> {
     let names: Vec<String> = found.shared.iter().map(name).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "the first recording shows what the scenario lacks, which is no change: {}",
+            "both recordings show what the scenario lacks, which is no change: {}",
             names.join(", ")
         )
     })

@@ -33,7 +33,7 @@ pub fn headline(diagnosis: &Diagnosis) -> String {
 }
 
 /// The headline where the cause is unknown. What takes away no more than half of the discrepancy is
-/// not its cause.
+/// not its cause, unless most of a channel's error goes with it.
 fn unknown(diagnosis: &Diagnosis, verdict: &str) -> String {
     // Beside a curve that does as much, a cause may have the odds against it.
     let causes = diagnosis.causes.iter();
@@ -53,7 +53,7 @@ fn unknown(diagnosis: &Diagnosis, verdict: &str) -> String {
             "{verdict} FITS{changes}; NEAREST, AT AN END OF ITS RANGE: {}",
             all.join(" or ")
         ),
-        false if diagnosis.unexplained_fraction > 0.5 => {
+        false if diagnosis.unexplained_fraction > 0.5 && diagnosis.most_fallen().is_none() => {
             format!("{verdict}{changes}; A SMALL PART: {}", all.join(" or "))
         }
         false => format!(

@@ -1,5 +1,6 @@
 //! Texts of a diagnosis.
 
+use truecut_discrepancy::diagnose::{ChannelErrors, Evidence, UnknownCurve};
 use truecut_recording::Unit;
 
 use super::*;
@@ -53,4 +54,68 @@ fn nominal_values_are_told_in_the_unit_of_their_key() {
     let (before, after) = in_unit_of_key(&nominal);
     assert!((before - 1.0).abs() < 1e-12);
     assert_eq!(estimate(&after), "1.250 (1.000 to 1.500) mm");
+}
+
+fn errors(refitted: f64, after: f64) -> ChannelErrors {
+    ChannelErrors {
+        before: refitted,
+        refitted,
+        after,
+        noise_floor: after,
+        noise_source: NoiseSource::Bound,
+        noise_without_memory: 0.0,
+        unit: "N m".into(),
+    }
+}
+
+/// Most of what stands out of the noise is left, and most of what one sees has gone: that is no
+/// small part.
+#[test]
+fn what_takes_most_of_a_channel_away_is_no_small_part() {
+    let told = |after: f64| {
+        let diagnosis = Diagnosis {
+            verdict: Verdict::UnknownCause,
+            causes: vec![Cause {
+                kind: "joint_coulomb".into(),
+                target: Some("joint1".into()),
+                parameters: std::collections::BTreeMap::new(),
+                evidence: Evidence {
+                    likelihood_gain: 50.0,
+                    log10_odds: 9.0,
+                    validation_t: 5.0,
+                    practical_gain: 0.5,
+                },
+            }],
+            unexplained_fraction: 0.82,
+            channels: [("joint1.drive_torque".to_owned(), errors(22.3, after))].into(),
+            ..Diagnosis::default()
+        };
+        headline(&diagnosis)
+    };
+    assert!(
+        told(1.6).starts_with("CAUSE NAMED, BUT NOT ALL OF IT"),
+        "{}",
+        told(1.6)
+    );
+    assert!(told(21.0).contains("A SMALL PART"), "{}", told(21.0));
+}
+
+/// What is left beside a curve is not what the effects known do not explain.
+#[test]
+fn what_is_left_beside_a_curve_says_so() {
+    let curve = UnknownCurve {
+        kind: "joint_friction_by_speed".into(),
+        target: "joint1".into(),
+        x: vec![0.0],
+        x_unit: "rad/s".into(),
+        value: vec![0.0],
+        low: vec![None],
+        high: vec![None],
+        unit: "N m".into(),
+        log10_odds: 9.0,
+    };
+    let mut diagnosis = Diagnosis::default();
+    assert!(unexplained(&diagnosis).starts_with("nothing of the discrepancy"));
+    diagnosis.curve = Some(curve);
+    assert!(unexplained(&diagnosis).starts_with("beside causes and curve: nothing"));
 }

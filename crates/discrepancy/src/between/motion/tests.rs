@@ -1,6 +1,6 @@
 //! Motions drawn at random.
 
-use truecut_recording::measured::Role;
+use truecut_recording::measured::{Pass, Role};
 
 use super::*;
 use crate::testing::{Colour, channel, noise};
@@ -56,7 +56,7 @@ fn runs_are_counted_anew_at_another_rate() {
                 start_s: 0.01 * middle as f64,
             },
         ];
-        let there = resampled(two, 0.0163, 0.0);
+        let there = resampled(&two, 0.0163, 0.0);
         let [a, b] = &there.passes[..] else {
             panic!("two runs")
         };
@@ -92,6 +92,108 @@ fn a_joint_that_stands_still_is_held_against_those_that_move() {
         let again = parked(seed, 0.5 + count);
         assert!(later(&first, &again).is_some(), "{seed}");
         assert_eq!(later(&first, &parked(seed, 0.5175)), None, "{seed}");
+    }
+}
+
+/// All that is measured in a unit stands still, a count off: no other motion, as where something
+/// else of that unit moves; a place that is another one is.
+#[test]
+fn a_unit_of_which_nothing_moves_is_held_against_its_size() {
+    let count = 1e-5;
+    let parked = |seed: u64, unit: Unit, at: f64| {
+        let mut moved = swing(seed, 0.0, 0.01, 1e-4);
+        let mut still = moved.channels[0].clone();
+        moved.channels[0].spec.unit = Unit::NewtonMetre;
+        still.spec.name = "parked".into();
+        still.spec.unit = unit;
+        still.values = vec![at; 1500];
+        still.values[40 + seed as usize] += count;
+        moved.channels.push(still);
+        moved
+    };
+    for seed in 0..6 {
+        for (unit, at, other) in [
+            (Unit::Radian, 0.5, 0.5175),
+            (Unit::Radian, 0.0, 0.0175),
+            (Unit::Metre, 0.2, 0.21),
+            (Unit::Newton, 40.0, 41.0),
+        ] {
+            let first = parked(seed, unit, at);
+            let again = parked(seed, unit, at + count);
+            assert!(later(&first, &again).is_some(), "{seed} {unit}");
+            assert_eq!(
+                later(&first, &parked(seed, unit, other)),
+                None,
+                "{seed} {unit}"
+            );
+        }
+    }
+}
+
+/// Runs that are recorded at another rate and from another moment on begin at the same rows as
+/// those of the first, with the same values.
+#[test]
+fn verify_runs_at_another_rate_are_the_same_runs() {
+    let signal = |t: f64| (3.0 * t).sin() + 0.3 * (11.0 * t).cos();
+    let recorded = |from_s: f64, interval_s: f64, starts_s: &[f64]| {
+        let count = (20.0 / interval_s) as usize;
+        let own: Vec<f64> = starts_s.iter().map(|start| start - from_s).collect();
+        let first = |start: f64| ((start / interval_s - 1e-6).ceil()) as usize;
+        let passes = own.iter().enumerate().map(|(k, start)| Pass {
+            samples: first(*start)..own.get(k + 1).map_or(count, |next| first(*next)),
+            start_s: *start,
+        });
+        let passes: Vec<Pass> = passes.collect();
+        let since = |row: usize| {
+            let t = row as f64 * interval_s;
+            let begun = own.iter().rev().find(|start| **start <= t + 1e-9);
+            t - begun.unwrap_or(&own[0])
+        };
+        let mut output = channel((0..count).map(|row| signal(since(row))).collect());
+        output.role = Role::Output;
+        Measured {
+            source: "drawn".into(),
+            time_s: (0..count).map(|k| k as f64 * interval_s).collect(),
+            channels: vec![output],
+            passes,
+            ..Measured::default()
+        }
+    };
+    for seed in 0..10_u32 {
+        let turn = f64::from(seed);
+        let starts = [1.0 + 0.123 * turn, 6.0 + 0.031 * turn, 13.0];
+        let first = recorded(0.0, 0.01, &starts);
+        let interval_s = 0.0083 + 0.0006 * turn;
+        let second = recorded(0.37 + 0.0017 * turn, interval_s, &starts);
+        let common_s = common_interval_s(&first, &second);
+        let first = resampled(&first, common_s, 0.0);
+        let found = later(&first, &resampled(&second, common_s, 0.0));
+        let (second, _, rows) = placed(&second, common_s, found.expect("the same runs"), 1);
+        let counts = [first.time_s.len(), second.time_s.len()];
+        let at = crate::between::join::Overlap::of(counts, rows);
+        let begins = |one: &Measured, from: usize| -> Vec<i64> {
+            let runs = one.passes.iter();
+            runs.map(|run| run.samples.start as i64 - from as i64)
+                .collect()
+        };
+        assert_eq!(
+            begins(&first, at.first),
+            begins(&second, at.second),
+            "{seed}"
+        );
+        let (a, b) = (&first.channels[0], &second.channels[0]);
+        let both = (0..at.count).map(|k| (at.first + k, at.second + k));
+        let both: Vec<(usize, usize)> = both.filter(|(k, l)| a.valid[*k] && b.valid[*l]).collect();
+        assert!(both.len() > 9 * at.count / 10, "{seed}");
+        // What is smoothed spreads the jump at which a run begins.
+        let near = |k: usize| (first.passes.iter()).any(|run| k.abs_diff(run.samples.start) < 25);
+        for (k, l) in both
+            .into_iter()
+            .filter(|(k, _)| !near(*k) && *k > 25 && k + 25 < counts[0])
+        {
+            let apart = (a.values[k] - b.values[l]).abs();
+            assert!(apart < 2e-3, "{seed} {k}: {apart}");
+        }
     }
 }
 
@@ -137,7 +239,7 @@ fn counts_that_agree_make_no_copy() {
 fn verify_samples_at_other_places_are_those_of_the_signal() {
     for seed in 0..8 {
         let first = 0.13 * seed as f64;
-        let there = resampled(swing(seed, 0.0, 0.01, 0.0), 0.0083, first);
+        let there = resampled(&swing(seed, 0.0, 0.01, 0.0), 0.0083, 0.01 * first);
         let truth = swing(seed, 0.01 * first, 0.0083, 0.0);
         let rows = there.channels[0]
             .values

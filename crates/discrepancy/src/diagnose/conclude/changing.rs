@@ -65,48 +65,128 @@ pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve
     changed.any(|(c, _)| left[c] < with[c] && with[c] != without[c])
 }
 
-/// Channels whose changes the reason tells at most; a load that is let go is in all of them.
+/// Changes that the reason tells at most.
 const MOST_TOLD: usize = 3;
+/// Moments that are no further apart than this part of the later are one: a brake that sets in is
+/// seen in several channels.
+const SAME_MOMENT: f64 = 0.03;
 
-/// The finding, before whatever else the reason says: of each channel one, with its moment if it
-/// has one.
+/// The finding, before whatever else the reason says: what happens at one moment once, with all
+/// channels that show it, and of each channel one, with its moment if it has one.
 pub(super) fn tell(changes: Vec<Change>, diagnosis: &mut Diagnosis) {
     diagnosis.changes = changes;
     if diagnosis.changes.is_empty() || diagnosis.verdict == Verdict::FitFailed {
         return;
     }
-    let mut found: Vec<&Change> = diagnosis.changes.iter().collect();
-    found.sort_by_key(|change| change.from_s.is_none());
-    let mut told: Vec<&Change> = Vec::new();
-    for change in &found {
-        let is_new = told.iter().all(|one| one.channel != change.channel);
-        if is_new && told.len() < MOST_TOLD {
-            told.push(change);
-        }
-    }
-    let others = match found.len() - told.len() {
+    let events = events(&diagnosis.changes);
+    let others = match events.len().saturating_sub(MOST_TOLD) {
         0 => String::new(),
         count => format!("; and {count} more"),
     };
-    let told: Vec<String> = told.into_iter().map(course).collect();
+    let told = events.iter().take(MOST_TOLD).map(|event| course(event));
     diagnosis.reason = format!(
         "Something changes over time: {}{others}. {}",
-        told.join("; "),
+        told.collect::<Vec<_>>().join("; "),
         diagnosis.reason
     );
 }
 
-/// In which channel, when, and the law that does most like it.
-fn course(change: &Change) -> String {
-    let Change { channel, what, .. } = change;
-    match (change.from_s, what.as_str()) {
+/// Changes by their moment, those that have one first; a channel once.
+fn events(changes: &[Change]) -> Vec<Vec<&Change>> {
+    let mut found: Vec<&Change> = changes.iter().collect();
+    found.sort_by_key(|change| change.from_s.is_none());
+    let mut events: Vec<Vec<&Change>> = Vec::new();
+    for change in found {
+        if events
+            .iter()
+            .flatten()
+            .any(|one| one.channel == change.channel)
+        {
+            continue;
+        }
+        let is_same = |event: &&mut Vec<&Change>| match (event[0].from_s, change.from_s) {
+            (Some(a), Some(b)) => (a - b).abs() <= SAME_MOMENT * a.max(b),
+            (None, None) => event[0].what == change.what,
+            _ => false,
+        };
+        match events.iter_mut().find(is_same) {
+            Some(event) => event.push(change),
+            None => events.push(vec![change]),
+        }
+    }
+    events
+}
+
+/// In which channels, when, and the law that does most like it in the first of them.
+fn course(event: &[&Change]) -> String {
+    let Change { what, .. } = event[0];
+    let channels: Vec<String> = event
+        .iter()
+        .map(|one| format!("`{}`", one.channel))
+        .collect();
+    let channels = match channels.split_last() {
+        Some((last, others)) if !others.is_empty() => {
+            format!("{} and {last}", others.join(", "))
+        }
+        _ => channels.concat(),
+    };
+    let is_one = event.len() == 1;
+    match (event[0].from_s, what.as_str()) {
         (Some(from_s), _) => {
             let when = significant(from_s, 3);
-            format!(
-                "`{channel}` is another from about {when} s on, most as if {what} had changed then"
-            )
+            let are = if is_one { "is another" } else { "are others" };
+            format!("{channels} {are} from about {when} s on, most as if {what} had changed then")
         }
-        (None, TIME) => format!("`{channel}` drifts all along"),
-        (None, _) => format!("`{channel}` changes all along, most as if {what} did"),
+        (None, TIME) => format!(
+            "{channels} drift{} all along",
+            if is_one { "s" } else { "" }
+        ),
+        (None, _) => format!(
+            "{channels} change{} all along, most as if {what} did",
+            if is_one { "s" } else { "" }
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn change(channel: &str, from_s: Option<f64>, what: &str) -> Change {
+        Change {
+            channel: channel.into(),
+            from_s,
+            what: what.into(),
+        }
+    }
+
+    /// A brake is seen in the channels of several joints at about the same time: it is told once.
+    #[test]
+    fn what_happens_at_one_moment_is_told_once() {
+        let mut diagnosis = Diagnosis {
+            verdict: Verdict::UnknownCause,
+            reason: "The rest.".into(),
+            ..Diagnosis::default()
+        };
+        let changes = vec![
+            change("joint3.drive_torque", Some(18.9), "joint_coulomb of joint3"),
+            change("joint2.drive_torque", Some(19.1), "payload"),
+            change("joint3.drive_torque", None, "time"),
+            change("joint4.drive_torque", Some(18.8), "joint_offset of joint4"),
+            change(
+                "joint1.drive_torque",
+                Some(31.0),
+                "sensor_gain of joint1.drive_torque",
+            ),
+            change("joint5.drive_torque", None, "time"),
+        ];
+        tell(changes, &mut diagnosis);
+        assert_eq!(
+            diagnosis.reason,
+            "Something changes over time: `joint3.drive_torque`, `joint2.drive_torque` and `joint4.drive_torque` are others \
+             from about 18.9 s on, most as if joint_coulomb of joint3 had changed then; `joint1.drive_torque` is another from \
+             about 31.0 s on, most as if sensor_gain of joint1.drive_torque had changed then; `joint5.drive_torque` drifts all \
+             along. The rest."
+        );
     }
 }

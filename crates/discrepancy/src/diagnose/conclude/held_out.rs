@@ -1,7 +1,7 @@
 //! Causes that the held-out part does not bear out.
 
 use super::test_part::part_of;
-use crate::diagnose::answer::{Diagnosis, Verdict, names};
+use crate::diagnose::answer::{Cause, Diagnosis, Verdict, names};
 use crate::diagnose::choice::LEAST_T;
 use crate::diagnose::data::Rows;
 use crate::diagnose::fit::Fit;
@@ -116,6 +116,18 @@ fn risen(test: &Rows, channel: usize, small: &Fit, large: &Fit) -> f64 {
     sums.iter().sum::<f64>() / error_of_sum(&sums).max(f64::MIN_POSITIVE)
 }
 
+/// The causes and the others that explain as much, by name: they do not stand beside the verdict.
+fn either(diagnosis: &Diagnosis) -> String {
+    let name = |cause: &Cause| match &cause.target {
+        Some(target) => format!("{} on {target}", cause.kind),
+        None => cause.kind.clone(),
+    };
+    let others = diagnosis.alternatives.iter().map(|one| &one.causes);
+    let all = std::iter::once(&diagnosis.causes).chain(others);
+    let names = all.map(|causes| causes.iter().map(name).collect::<Vec<_>>().join(" and "));
+    names.collect::<Vec<_>>().join(" or ")
+}
+
 /// The finding in the verdict: what the search came to, and why it is not named.
 pub(super) fn tell(problem: &Problem, refuted: &[Refuted], diagnosis: &mut Diagnosis) {
     if refuted.is_empty() || diagnosis.verdict == Verdict::FitFailed {
@@ -141,6 +153,7 @@ pub(super) fn tell(problem: &Problem, refuted: &[Refuted], diagnosis: &mut Diagn
         told.join(" and ")
     );
     let others = match diagnosis.verdict {
+        Verdict::Ambiguous => format!(" Of the rest it is not known which: {}.", either(diagnosis)),
         Verdict::UnknownCause => format!(" {}", diagnosis.reason),
         _ if diagnosis.causes.is_empty() => String::new(),
         _ => format!(" {}", diagnosis.reason),

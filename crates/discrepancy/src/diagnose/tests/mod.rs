@@ -18,7 +18,7 @@ const WHITE: Colour = Colour::White;
 const COLOURED: Colour = Colour::Ar1(0.9);
 
 /// `columns` plus noise whose rms in each channel is `levels`.
-fn observed(
+pub(in crate::diagnose) fn observed(
     columns: &Columns,
     levels: &[f64],
     colour: Colour,

@@ -7,7 +7,7 @@ use truecut_scenario::effect::{Effect, EffectKind, Target};
 use super::force::{Force, INTERVAL_S, MASS_KG, effect};
 use super::single::{diagnosed, joint};
 use super::*;
-use crate::diagnose::{Regressor, explain};
+use crate::diagnose::{Part, Regressor, explain};
 use crate::model::{Candidate, PredictError};
 
 fn nothing(_: f64, _: f64, _: f64) -> f64 {
@@ -380,7 +380,11 @@ fn a_size_beyond_its_range_is_told_and_no_cause_named() {
         .collect();
     let data = observed(&vec![force], &[0.5], WHITE, 140, INTERVAL_S);
     // A gain that large is a unit mistaken, and asked about first.
-    let answer = explain(&model, &data, &Options::default(), &|_| {}, false);
+    let part = Part {
+        has_units: false,
+        ..Part::all(&Options::default())
+    };
+    let answer = explain(&model, &data, &Options::default(), &|_| {}, part);
     let found = answer.unwrap().diagnosis;
     assert_eq!(found.verdict, Verdict::UnknownCause, "{}", found.reason);
     let told = found

@@ -2,7 +2,7 @@
 
 /// Step between readings most of which are those of the sample before: what rounding leaves of them
 /// is no noise that another period would show. Zero where they are not.
-pub(super) fn held_step(values: &[f64], valid: &[bool]) -> f64 {
+pub(crate) fn held_step(values: &[f64], valid: &[bool]) -> f64 {
     let steps: Vec<f64> = (values.windows(2).zip(valid.windows(2)))
         .filter(|(_, valid)| valid[0] && valid[1])
         .map(|(pair, _)| (pair[1] - pair[0]).abs())
