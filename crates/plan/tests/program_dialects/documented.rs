@@ -9,8 +9,8 @@ use truecut_plan::program::{
     Frames, Motion, Program, ProgramError, Settings, SpindleSwitch, Tool, dialect_of,
 };
 
-/// Shoulder 300 mm ahead of axis 1 at 675 mm, upper arm of 650 mm, elbow offset of 40 mm, forearm of
-/// 700 mm, flange 90 mm ahead of the wrist centre; upright and stretched ahead at zero.
+/// Shoulder 300 mm ahead of axis 1 at 675 mm, upper arm of 650 mm, elbow offset of 40 mm, forearm
+/// of 700 mm, flange 90 mm ahead of the wrist centre; upright and stretched ahead at zero.
 fn robot() -> Robot {
     let axes = [
         ("0 0 0.4", "0 0 1"),
@@ -343,7 +343,7 @@ fn jobs_in_the_style_of_their_documentation() {
     check(&[("JOB.JBI", text)], "7", &said);
 }
 
-/// What would be read as something else than the controller makes of it is refused, with its line.
+/// What would be read as another thing than the controller makes of it is refused at its line.
 #[test]
 fn what_would_be_misread_is_refused() {
     let position = |frames: &str, more: &str| {
