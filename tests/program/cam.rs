@@ -212,3 +212,18 @@ fn a_spindle_that_contradicts_the_scenario_is_told() {
         }
     }
 }
+
+/// Notes quote words of the file, but not the control characters in them.
+#[test]
+fn what_is_left_aside_is_told_without_control_characters() {
+    let desk = Desk::new();
+    let program = "/PROG JOB\n/MN\n1:J P[1] 10% FINE ACC80\u{1f} ;\n/POS\nP[1]{\n GP1:\n UF : 0, UT : 0,\n \
+                   J1= 0 deg, J2= 0 deg, J3= 0 deg,\n J4= 0 deg, J5= 10 deg, J6= 0 deg\n};\n/END\n";
+    std::fs::write(desk.path("job.LS"), program).unwrap();
+    let output = desk.truecut(&["program", "job.LS", "--robot", &hp20()]);
+    let text = told(&output);
+    assert!(
+        text.contains("ACC80") && !text.contains('\u{1f}'),
+        "{text:?}"
+    );
+}

@@ -2,6 +2,7 @@
 
 mod results;
 
+mod before;
 mod cam;
 mod clearance;
 mod compare;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{CLAIM_FAILED, Desk};
 
-fn repository() -> PathBuf {
+pub(super) fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../..")
         .canonicalize()

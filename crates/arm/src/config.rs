@@ -206,14 +206,20 @@ mod servo;
 #[derive(Clone, Copy)]
 enum Rule {
     Positive,
+    /// As a stiffness: a steel bar as thick as an arm has 1e9 N m/rad.
+    Stiffness,
     NotNegative,
 }
+
+/// Of a transmission, N m/rad or N/m: a million times a steel bar as thick as an arm.
+const STIFFEST: f64 = 1e15;
 
 impl Rule {
     fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
                 Self::Positive => value > 0.0,
+                Self::Stiffness => value > 0.0 && value <= STIFFEST,
                 Self::NotNegative => value >= 0.0,
             }
     }
@@ -221,6 +227,7 @@ impl Rule {
     fn text(self) -> &'static str {
         match self {
             Self::Positive => "a finite number above zero",
+            Self::Stiffness => "above zero, at most 1e15: nothing is stiffer",
             Self::NotNegative => "a finite number, zero or above",
         }
     }
@@ -263,7 +270,7 @@ impl<'a> ConfigReader<'a> {
             raw.stiffness_nm_per_rad,
             stiffness_n_per_m,
             "stiffness",
-            Positive
+            Stiffness
         );
         if let Some((value, text)) = value(stiffness, &source.stiffness) {
             (transmission.stiffness, sources.stiffness) = (Some(value), text);

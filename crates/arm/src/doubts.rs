@@ -89,7 +89,7 @@ fn all_alike(links: &[Link], of: impl Fn(&Link) -> f64) -> bool {
 
 fn of_total(chain: &Chain) -> Option<String> {
     let mass_kg: f64 = chain.moving().map(|body| body.link.mass_kg).sum();
-    let reach_m = reach_m(chain);
+    let reach_m = chain.reach_m();
     let density = mass_kg / reach_m.powi(2);
     let what = if density < LEAST_KG_PER_M2 {
         "less"
@@ -104,17 +104,19 @@ fn of_total(chain: &Chain) -> Option<String> {
     ))
 }
 
-/// Joint to joint, from the first on.
-fn reach_m(chain: &Chain) -> f64 {
-    let offsets = chain.moving().skip(1);
-    offsets
-        .map(|joint| joint.parent_from_joint.translation.vector.norm())
-        .sum()
+impl Chain {
+    /// Joint to joint, from the first on, m.
+    pub(crate) fn reach_m(&self) -> f64 {
+        let offsets = self.moving().skip(1);
+        offsets
+            .map(|joint| joint.parent_from_joint.translation.vector.norm())
+            .sum()
+    }
 }
 
 /// Lengths of another unit. A long track stands before the first joint that turns.
 fn of_lengths(chain: &Chain) -> Option<String> {
-    let reach_m = reach_m(chain);
+    let reach_m = chain.reach_m();
     let least_m = if chain.joints.len() < FEWEST_JOINTS {
         0.0
     } else {
@@ -163,7 +165,7 @@ fn of_limits(chain: &Chain) -> Option<String> {
 /// A tool that is longer than the arm.
 fn of_tool_point(chain: &Chain, frames: &Frames) -> Option<String> {
     let (reach_m, off_m) = (
-        reach_m(chain),
+        chain.reach_m(),
         frames.flange_from_tool.translation.vector.norm(),
     );
     (off_m > reach_m && reach_m > LEAST_REACH_M).then(|| {

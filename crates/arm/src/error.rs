@@ -221,7 +221,10 @@ pub enum ArmErrorKind {
     },
     #[error("the posture has {found} values; the chain has {expected} joints")]
     PostureLength { found: usize, expected: usize },
-    #[error("joint \"{joint}\": {value} {unit} is outside the limits {lower} to {upper} {unit}")]
+    #[error(
+        "joint \"{joint}\": {value} {unit} is outside the limits {lower} to {upper} {unit} ({})",
+        in_the_workshop([*value, *lower, *upper], unit)
+    )]
     OutsideLimits {
         joint: String,
         value: f64,
@@ -321,6 +324,16 @@ pub enum ArmErrorKind {
         value: f64,
         rule: &'static str,
     },
+}
+
+/// A coordinate and its limits in the units that people give them in.
+fn in_the_workshop([value, lower, upper]: [f64; 3], unit: &str) -> String {
+    let (scale, unit) = match unit {
+        "rad" => (1_f64.to_degrees(), "deg"),
+        _ => (1e3, "mm"),
+    };
+    let [value, lower, upper] = [value, lower, upper].map(|it| it * scale);
+    format!("{value:.2} {unit}; {lower:.2} to {upper:.2} {unit}")
 }
 
 fn listed(faults: &[ArmError]) -> String {

@@ -87,10 +87,7 @@ impl Robot {
         frame: FrameId,
         target: &Isometry3<f64>,
     ) -> Vector6<f64> {
-        let pose = self.world_from_frame(q, frame);
-        let linear = target.translation.vector - pose.translation.vector;
-        let angular = (target.rotation * pose.rotation.inverse()).scaled_axis();
-        Vector6::from_iterator(linear.iter().chain(angular.iter()).copied())
+        crate::six_axes::pose_error(&self.world_from_frame(q, frame), target)
     }
 
     /// Brings revolute joints into their limits by whole turns where possible.

@@ -1,13 +1,12 @@
 //! Inverse kinematics with all branches.
 
-use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
-};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use crate::error::{ArmError, ArmErrorKind};
 use crate::ik::IkOptions;
 use crate::model::{FrameId, JointKind, Robot};
 use crate::opw::{OpwGeometry, wrap};
+use crate::six_axes::SixAxes;
 use crate::turns::turned;
 
 /// Postures that agree to this in every joint, modulo whole turns, count as one.
@@ -40,7 +39,8 @@ pub struct IkSolver<'a> {
     robot: &'a Robot,
     /// The robot with its position limits taken away.
     unlimited: Robot,
-    geometry: Option<OpwGeometry>,
+    /// With its joints, where it has a closed form.
+    geometry: Option<(OpwGeometry, SixAxes)>,
     options: BranchOptions,
 }
 
@@ -55,7 +55,8 @@ impl Robot {
         IkSolver {
             robot: self,
             unlimited,
-            geometry: OpwGeometry::of(self),
+            geometry: OpwGeometry::of(self)
+                .and_then(|geometry| Some((geometry, SixAxes::of(self)?))),
             options: *options,
         }
     }
@@ -65,10 +66,12 @@ impl IkSolver<'_> {
     /// The geometry by which the closed form works; `None` where solutions are sought numerically.
     #[must_use]
     pub fn geometry(&self) -> Option<&OpwGeometry> {
-        self.geometry.as_ref()
+        self.geometry.as_ref().map(|(geometry, _)| geometry)
     }
 
-    pub(crate) fn robot(&self) -> &Robot {
+    /// The robot that it solves for.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
         self.robot
     }
 
@@ -85,10 +88,13 @@ impl IkSolver<'_> {
     #[must_use]
     pub fn branches(&self, world_from_target: &Isometry3<f64>, frame: FrameId) -> Vec<Vec<f64>> {
         let found = match &self.geometry {
-            Some(geometry) => {
-                let frame_from_last = self.robot.last_link_from_frame(frame).inverse();
-                let solved = geometry.solve(&(world_from_target * frame_from_last));
-                let polish = |q: [f64; 6]| self.polished(&q, world_from_target, frame);
+            Some((geometry, axes)) => {
+                let last_from_frame = self.robot.last_link_from_frame(frame);
+                let solved = geometry.solve(&(world_from_target * last_from_frame.inverse()));
+                let polish = |q: [f64; 6]| {
+                    let (best, error) = axes.polished(q, &last_from_frame, world_from_target);
+                    self.settled(best, error, world_from_target, frame)
+                };
                 solved.into_iter().filter_map(polish).collect()
             }
             None => self.searched(world_from_target, frame),
@@ -202,31 +208,17 @@ impl IkSolver<'_> {
         }
     }
 
-    /// Newton steps on a posture that is right to the closed form's own tolerance. Near a
-    /// singularity a step is worthless; what is then not right to rounding is handed to the damped
-    /// search, and dropped if that does not reach the pose.
-    fn polished(&self, q: &[f64; 6], target: &Isometry3<f64>, frame: FrameId) -> Option<Vec<f64>> {
-        let mut best = q.to_vec();
-        let mut error = self.robot.pose_error(&best, frame, target);
-        for _ in 0..3 {
-            if error.norm() <= 1e-13 {
-                break;
-            }
-            let jacobian = self.robot.jacobian(&best, frame);
-            let jacobian = DMatrix::from_fn(6, 6, |r, c| jacobian[(r, c)]);
-            let rest = DVector::from_column_slice(error.as_slice());
-            let Some(step) = jacobian.lu().solve(&rest) else {
-                break;
-            };
-            let trial: Vec<f64> = best.iter().zip(step.iter()).map(|(q, s)| q + s).collect();
-            let trial_error = self.robot.pose_error(&trial, frame, target);
-            if step.amax() > 1e-3 || trial_error.norm() >= error.norm() {
-                break;
-            }
-            (best, error) = (trial, trial_error);
-        }
-        if error.norm() <= CLOSED_FORM_TOLERANCE {
-            return Some(best);
+    /// A posture that is right to rounding; what is not is handed to the damped search, and dropped
+    /// if that does not reach the pose either.
+    fn settled(
+        &self,
+        best: [f64; 6],
+        error: f64,
+        target: &Isometry3<f64>,
+        frame: FrameId,
+    ) -> Option<Vec<f64>> {
+        if error <= CLOSED_FORM_TOLERANCE {
+            return Some(best.to_vec());
         }
         let options = &self.options.numeric;
         let searched = self

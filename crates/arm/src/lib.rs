@@ -83,6 +83,7 @@ mod placed;
 pub mod report;
 mod report_estimates;
 mod report_text;
+mod six_axes;
 mod solids;
 mod table;
 mod tangent;

@@ -123,6 +123,8 @@ impl Robot {
         let mut tree = read_tree(urdf.0, urdf.1)?;
         let (tip, note) = choose_tip(&tree, reading.tip)?;
         let not_drawn = meshes::find(&mut tree, urdf.1, &reading.packages);
+        let silent = config.filter(|(text, _)| says_nothing(text));
+        let silent = silent.map(|(_, path)| format!("{} says nothing", path.display()));
         let config = config.map(|(text, path)| ConfigFile::parse(text, path));
         let config = config.transpose()?;
         let mut faults = Vec::new();
@@ -139,7 +141,7 @@ impl Robot {
             Ok(made) => made,
             Err(error) => return Err(several(faults).unwrap_or(error)),
         };
-        chain.notes.splice(0..0, note);
+        chain.notes.splice(0..0, note.into_iter().chain(silent));
         chain.notes.append(&mut tree.notes);
         chain.notes.append(&mut tree.doubts);
         chain.notes.extend(not_drawn);
@@ -172,6 +174,12 @@ impl Robot {
             tool_load: settings.tool_load,
         })
     }
+}
+
+/// Whether a file of settings holds no more than remarks.
+fn says_nothing(text: &str) -> bool {
+    let mut lines = text.lines().map(str::trim);
+    lines.all(|line| line.is_empty() || line.starts_with('#'))
 }
 
 /// Links whose masses are estimates.

@@ -14,7 +14,9 @@ use crate::moving::Moving;
 use crate::tangent::Load;
 
 pub use crate::report_estimates::EstimateReport;
-pub use crate::table::{IkRow, fk_table, ik_csv, ik_rows, outside_limits_note, poses};
+pub use crate::table::{
+    IkRow, fk_table, ik_csv, ik_rows, other_units_note, outside_limits_note, poses,
+};
 
 /// Everything `truecut robot` prints. Field units are in the names; joint values are in the joint's
 /// own units ([`JointReport::coordinate_unit`], per second, per coordinate unit); infinite bounds

@@ -1,6 +1,8 @@
 //! Forward kinematics of a table of postures, inverse kinematics of a table of poses.
 
-use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion};
+use std::f64::consts::TAU;
+
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 use truecut_files::{CellRow, Cells};
 
@@ -249,6 +251,48 @@ pub fn poses(csv: &str) -> Result<Vec<Isometry3<f64>>, ArmError> {
         return Err(ArmErrorKind::NoPoses.into());
     }
     Ok(found)
+}
+
+/// What must be told of a table as [`poses`] reads it: the first pose that lies beyond the arm's
+/// reach or has an angle of more than a whole turn. Millimetres and degrees read as metres and
+/// radians are told so.
+///
+/// # Errors
+/// As [`poses`].
+pub fn other_units_note(robot: &Robot, csv: &str) -> Result<Option<String>, ArmError> {
+    // Whatever the frame: from the first joint over all others to the tool and back.
+    let chain = &robot.chain;
+    let reach_m = 2.0 * (chain.reach_m() + robot.frames.flange_from_tool.translation.vector.norm());
+    let turns = chain
+        .joints
+        .iter()
+        .all(|joint| joint.kind == JointKind::Revolute);
+    let first = chain.joints.first();
+    let foot_m = first.map_or_else(Vector3::zeros, |it| it.parent_from_joint.translation.vector);
+    let units = "poses are read in m and rad; a heading such as x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg \
+                 gives other units";
+    for (row, numbers) in Table::of(csv)?.all_numbers()? {
+        let off_m = match numbers.as_slice() {
+            [x, y, z, ..] => (Vector3::new(*x, *y, *z) - foot_m).norm(),
+            _ => 0.0,
+        };
+        if turns && off_m > reach_m {
+            return Ok(Some(format!(
+                "row {row} lies {off_m:.3} m from the first joint, beyond any reach of this arm; {units}"
+            )));
+        }
+        let angles = if numbers.len() == 6 {
+            &numbers[3..]
+        } else {
+            &[]
+        };
+        if let Some(angle) = angles.iter().find(|angle| angle.abs() > TAU) {
+            return Ok(Some(format!(
+                "row {row} has an angle of {angle} rad, more than a whole turn; {units}"
+            )));
+        }
+    }
+    Ok(None)
 }
 
 /// How far a matrix may be from a rotation: that of numbers rounded to six digits.

@@ -84,6 +84,7 @@ pub fn check(arguments: &CheckArguments) -> Result<ExitCode, Failure> {
     let found = find_scenarios(&arguments.paths)?;
     let files = found.scenarios;
     (files.iter()).try_for_each(|file| Failure::if_same(&arguments.junit, file))?;
+    Failure::if_folder(&arguments.junit)?;
     let shared = (&Runs::default(), &Robots::new());
     let progress = Progress::new(files.len(), "checking");
     let checked: Vec<Checked> = files

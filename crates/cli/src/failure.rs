@@ -73,6 +73,17 @@ impl Failure {
         Failure::if_written_over(out, is_same)
     }
 
+    /// A failure if a file is to be written where a folder stands.
+    pub fn if_folder(out: &Path) -> Result<(), Failure> {
+        match out.is_dir() {
+            true => Err(Failure::at(
+                out,
+                "is a folder; a file is to be written there",
+            )),
+            false => Ok(()),
+        }
+    }
+
     /// A failure if `out` is a file that was read: a robot's, its settings, measured data.
     pub fn if_read(out: &Path) -> Result<(), Failure> {
         Failure::if_written_over(out, truecut_files::was_read(out))

@@ -1,5 +1,6 @@
 //! Finds scenarios in folders.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
@@ -13,7 +14,7 @@ pub struct Found {
 }
 
 /// The scenarios at `paths`: files as they are named, and below folders every `.toml` file that is
-/// one or is meant to be, in alphabetical order. Hidden folders are left out.
+/// one or is meant to be, in alphabetical order, each once. Hidden folders are left out.
 pub fn find_scenarios(paths: &[PathBuf]) -> Result<Found, Failure> {
     let mut found = Found::default();
     for path in paths {
@@ -25,6 +26,10 @@ pub fn find_scenarios(paths: &[PathBuf]) -> Result<Found, Failure> {
             return Err(Failure::at(path, "no such file or folder"));
         }
     }
+    // A file that is named by itself and by its folder is one.
+    let mut known = BTreeSet::new();
+    let place = |path: &PathBuf| path.canonicalize().unwrap_or_else(|_| path.clone());
+    found.scenarios.retain(|path| known.insert(place(path)));
     if found.scenarios.is_empty() {
         let paths: Vec<String> = paths
             .iter()

@@ -14,6 +14,9 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// From one line to the next, where there is no terminal.
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 
+/// Part of the work below which no time is forecast: what is set up at first takes longer.
+const FORECAST_FROM: f64 = 0.05;
+
 /// Divisions of the bar per run.
 const PARTS: f64 = 1000.0;
 
@@ -40,7 +43,7 @@ impl Lines {
         }
         self.last = elapsed;
         let spent_s = elapsed.as_secs_f64();
-        let left = if part > 0.0 {
+        let left = if part >= FORECAST_FROM {
             format!(", about {} left", time(spent_s * (1.0 - part) / part))
         } else {
             String::new()
@@ -178,7 +181,7 @@ mod tests {
             long.as_deref(),
             Some("  x: 25 % after 2 h 0 min, about 6 h 0 min left")
         );
-        let none = lines.due(Duration::from_secs(8000), "x", 0.0);
-        assert_eq!(none.as_deref(), Some("  x: 0 % after 2 h 13 min"));
+        let none = lines.due(Duration::from_secs(8000), "x", 0.049);
+        assert_eq!(none.as_deref(), Some("  x: 5 % after 2 h 13 min"));
     }
 }

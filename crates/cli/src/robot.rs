@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use truecut::outputs::write_file;
 use truecut_arm::estimate::{DataSheet, robot_toml};
-use truecut_arm::report::{fk_table, ik_csv, ik_rows, outside_limits_note, poses};
+use truecut_arm::report::{
+    fk_table, ik_csv, ik_rows, other_units_note, outside_limits_note, poses,
+};
 use truecut_arm::{ArmErrorKind, CONFIG_FILE_NAME, JointKind, Masses, Robot, expanded_urdf};
 use truecut_recording::significant;
 
@@ -90,12 +92,19 @@ fn print_postures(
 ) -> Result<ExitStatus, Failure> {
     let file = Path::new(asked);
     let is_pose = asked.contains(',') && !file.exists();
-    let poses = if is_pose {
-        poses(asked).map_err(|error| Failure::message(format!("--ik: {error}")))?
-    } else {
-        let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
-        poses(&text).map_err(|error| Failure::at(file, error))?
+    let (text, name) = match is_pose {
+        true => (asked.to_owned(), "--ik".to_owned()),
+        false => {
+            let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
+            (text, file.display().to_string())
+        }
     };
+    let failed = |error| Failure::message(format!("{name}: {error}"));
+    let poses = poses(&text).map_err(failed)?;
+    if let Some(note) = other_units_note(robot, &text).map_err(failed)? {
+        // Beside the table, not in it.
+        eprintln!("note: {name}: {note}");
+    }
     let rows = ik_rows(robot, &poses, arguments.frame.into());
     let is_reached = |pose: usize| rows.iter().any(|row| row.pose == pose && row.within_limits);
     let missed: Vec<usize> = (1..=poses.len()).filter(|it| !is_reached(*it)).collect();
@@ -216,10 +225,14 @@ pub fn of_slides(places_mm: Option<&[f64]>) -> Option<String> {
 
 /// What a reader must know of an arm without a `robot.toml`.
 pub fn without_tool(robot: &Robot) -> Option<String> {
-    robot.config_path.is_none().then(|| {
-        format!(
-            "there is no {CONFIG_FILE_NAME} beside the URDF and no --config: the tool point is the \
-             flange's, no tool is known"
-        )
-    })
+    let what = match &robot.config_path {
+        None => format!("there is no {CONFIG_FILE_NAME} beside the URDF and no --config"),
+        Some(file) if robot.frames.flange_from_tool == nalgebra::Isometry3::identity() => {
+            format!("{} gives no tool frame", file.display())
+        }
+        Some(_) => return None,
+    };
+    Some(format!(
+        "{what}: the tool point is the flange's, no tool is known"
+    ))
 }

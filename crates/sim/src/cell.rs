@@ -9,7 +9,7 @@ use crate::contact::ContactSolver;
 use crate::error::SimError;
 use crate::guard::Guard;
 use crate::plant::Plant;
-use crate::process::Process;
+use crate::process::{Process, tells_unfinished};
 use crate::scene::{Setting, Stage, scene};
 use crate::torque_use::TorqueUse;
 use deflection::PathDeflection;
@@ -133,6 +133,12 @@ impl Cell {
         let process =
             std::mem::replace(&mut self.process, Box::new(crate::contract::process::Gone));
         self.process = other(process);
+    }
+
+    /// The scalars that a run has, by a run of one step: their names and units are those of any.
+    pub(crate) fn scalars_made(mut self) -> Vec<Scalar> {
+        self.steps = 0;
+        self.run_rows(|_, _| ()).scalars
     }
 
     /// The column of a channel.
@@ -264,7 +270,9 @@ impl Cell {
         if outcome == Outcome::Completed {
             let counts = self.scenario.run.overload == FaultRule::Fail;
             let overload = findings.overload.filter(|_| counts);
-            outcome = findings.beyond.or(overload).unwrap_or_default();
+            let is_whole = !self.notes.iter().any(|note| tells_unfinished(note));
+            let idle = findings.idle.filter(|_| is_whole);
+            outcome = findings.beyond.or(idle).or(overload).unwrap_or_default();
         }
         self.scalars.extend(self.torque_use.scalars());
         self.scalars.extend(findings.scalars);

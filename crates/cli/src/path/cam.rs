@@ -8,15 +8,12 @@ use truecut_arm::{JointKind, Robot};
 use truecut_plan::cam::{self, CamOptions, CamPath, WorkSetup};
 use truecut_plan::clearance::Station;
 use truecut_plan::program::{
-    Dialect, Motion, Options, Program, ProgramError, Replay, Settings, Start, TravelOptions,
-    dialect_named, maker_note, read_text,
+    Dialect, Options, Program, ProgramError, Settings, Start, TravelOptions, dialect_named,
+    maker_note, read_text,
 };
-use truecut_plan::surface_path::joint_cells;
-use truecut_recording::{ChannelSpec, Chunk, Header, Outcome, Recording, Sink, Unit};
-use truecut_sim::travel_view;
-use truecut_telemetry::RrdSink;
 
-use super::files::{slide_cells, slide_heads};
+use super::cam_files::{Planned, record, table};
+use super::files::UNWRITTEN;
 use crate::args::{CamArguments, PathArguments};
 use crate::clearance::Checked;
 use crate::exit_status::ExitStatus;
@@ -25,8 +22,8 @@ use crate::program::{RunThrough, replayed, run_through};
 use crate::progress::Progress;
 use crate::robot::{of_slides, posture, with_slides, without_tool};
 
-/// Most frames of the recording.
-const FRAMES: usize = 5000;
+/// What the tool of a path from CAM is called: of what kind it is no file says.
+pub const TOOL: &str = "tool";
 
 /// Reads, plans, runs through, prints and writes.
 pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
@@ -34,6 +31,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let robot = robot(cam, file)?;
     let dialect = dialect(cam)?;
     let settings = settings(cam, dialect)?;
+    let head = head(cam, dialect, &settings, &robot, file)?;
     let cell = cam.cell.as_deref();
     let cell = cell.map(|file| Checked::cell(&robot, file)).transpose()?;
     let text = read_text(file).map_err(|error| Failure::at(file, error))?;
@@ -46,7 +44,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     };
     let read = cam::read(&text, file, &options).map_err(|error| refused(file, &error))?;
     check_spin(cam, &read, file)?;
-    let program = followed(arguments, &robot, dialect, &settings, &read)?;
+    let program = followed(arguments, &robot, dialect, head, &read)?;
     let run = |tell: &(dyn Fn(f64) + Sync)| replayed(&program, &robot, file, tell);
     let replay = Progress::of_one("run through", run)?;
     let clearance = cell.map(|cell| {
@@ -61,12 +59,11 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         replay: &replay,
         clearance: clearance.as_ref(),
     };
-    let written = write(arguments, dialect, &settings, &planned)?;
     let name = |point: usize| {
         let line = read.points[point].line;
         format!("line {line}, path point {point}")
     };
-    let status = run_through(&RunThrough {
+    let run = RunThrough {
         robot: &robot,
         program: &program,
         replay: &replay,
@@ -74,7 +71,12 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         clearance: clearance.as_ref(),
         point_name: &name,
         acceleration_m_per_s2: cam.acceleration_m_per_s2,
-    })?;
+    };
+    let written = write(arguments, dialect, &settings, &planned, run.holds())?;
+    let status = run_through(&run)?;
+    if !run.holds() {
+        crate::print(UNWRITTEN)?;
+    }
     if let Some((first, rest)) = written.split_first() {
         crate::print(&format!("\n{}", crate::text::written(first, rest)))?;
     }
@@ -86,12 +88,11 @@ fn followed(
     arguments: &PathArguments,
     robot: &Robot,
     dialect: &dyn Dialect,
-    settings: &Settings,
+    head: Program,
     read: &CamPath,
 ) -> Result<Program, Failure> {
     let (file, cam) = (&arguments.file, &arguments.cam);
     let posture = start_posture(cam, robot)?;
-    let head = head(cam, dialect, settings, robot, file)?;
     let setup = WorkSetup {
         world_from_work: crate::program::frame(cam.work_xyz_mm, cam.work_rpy_deg),
         spin_rad: cam.spin_deg.map(f64::to_radians),
@@ -114,15 +115,6 @@ fn followed(
         .extend(dialect.limits_note().map(str::to_owned));
     program.notes.extend(of_slides(cam.slide_mm.as_deref()));
     Ok(program)
-}
-
-/// What is planned of a file, before it is written.
-struct Planned<'a> {
-    robot: &'a Robot,
-    read: &'a CamPath,
-    program: &'a Program,
-    replay: &'a Replay,
-    clearance: Option<&'a Checked>,
 }
 
 fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
@@ -218,12 +210,24 @@ fn head(
         .and_then(|stem| stem.to_str())
         .unwrap_or("PATH");
     let plain = stem.chars().filter(char::is_ascii_alphanumeric);
-    let name: String = plain.take(8).collect::<String>().to_uppercase();
+    let mut name: String = plain.take(8).collect::<String>().to_uppercase();
+    if name.starts_with(|c: char| c.is_ascii_digit()) || name.is_empty() {
+        // Most languages ask for a letter.
+        name.insert(0, 'P');
+        name.truncate(8);
+    }
+    let name = cam.name.clone().unwrap_or(name);
+    let checked = dialect.check_name(&name);
+    checked.map_err(|fault| Failure::message(format!("--name: {fault}")))?;
     let tool = dialect.tool(robot, &settings.options);
+    let mut tool = tool.map_err(|fault| Failure::message(fault.to_string()))?;
+    if !settings.options.contains_key("tool_name") {
+        TOOL.clone_into(&mut tool.name);
+    }
     Ok(Program {
-        name: cam.name.clone().unwrap_or(name),
+        name,
         comment: String::new(),
-        tool: tool.map_err(|fault| Failure::message(fault.to_string()))?,
+        tool,
         world_from_base: crate::program::frame(cam.base_xyz_mm, cam.base_rpy_deg),
         moves: Vec::new(),
         spindle: Vec::new(),
@@ -259,6 +263,7 @@ fn write(
     dialect: &dyn Dialect,
     settings: &Settings,
     planned: &Planned<'_>,
+    holds: bool,
 ) -> Result<Vec<PathBuf>, Failure> {
     let (robot, read, program) = (planned.robot, planned.read, planned.program);
     let stem = truecut_files::folder_name(&arguments.file, "path");
@@ -277,114 +282,8 @@ fn write(
     )?;
     record(planned, &recording)?;
     let mut written = vec![points, recording];
-    let holds = planned.clearance.is_none_or(Checked::holds);
     written.extend(super::files::programs(&folder, files, holds)?);
     Ok(written)
-}
-
-/// One row a path point: line of the file, pose in the world, posture.
-fn table(
-    read: &CamPath,
-    program: &Program,
-    robot: &Robot,
-    slides_m: &[f64],
-) -> csv::Result<Vec<u8>> {
-    let mut out = csv::Writer::from_writer(Vec::new());
-    let heads = [
-        "point",
-        "line",
-        "work_x_mm",
-        "work_y_mm",
-        "work_z_mm",
-        "x_mm",
-        "y_mm",
-        "z_mm",
-        "qw",
-        "qx",
-        "qy",
-        "qz",
-    ];
-    let names = heads.map(str::to_owned).into_iter();
-    let names = names.chain((1..=robot.dof()).map(|j| format!("j{j}")));
-    let names = names.chain(slide_heads(slides_m));
-    out.write_record(names.chain(["feed_mm_per_s".to_owned()]))?;
-    for (step, source) in program.moves.iter().zip(&read.points) {
-        let pose = program.world_from_base * step.base_from_tool;
-        let (t, q) = (pose.translation.vector * 1e3, pose.rotation);
-        let mut cells = vec![step.path_point.to_string(), source.line.to_string()];
-        cells.extend(source.place_m.iter().map(|m| format!("{:.6}", m * 1e3)));
-        cells.extend([t.x, t.y, t.z].map(|mm| format!("{mm:.6}")));
-        cells.extend([q.w, q.i, q.j, q.k].map(|part| format!("{part:.9}")));
-        cells.extend(joint_cells(robot, &step.posture));
-        cells.extend(slide_cells(slides_m));
-        cells.push(match step.motion {
-            Motion::Linear { speed_m_per_s } => format!("{:.3}", speed_m_per_s * 1e3),
-            Motion::Joint { .. } => String::new(),
-        });
-        out.write_record(cells)?;
-    }
-    out.into_inner().map_err(|error| error.into_error().into())
-}
-
-/// The arm along the path, and its joints over time, for the viewer.
-fn record(planned: &Planned<'_>, file: &Path) -> Result<(), Failure> {
-    let (robot, program, replay) = (planned.robot, planned.program, planned.replay);
-    let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
-    if let Some(folder) = file.parent() {
-        std::fs::create_dir_all(folder).map_err(|error| Failure::at(folder, error))?;
-    }
-    let every = replay.rows.len().div_ceil(FRAMES).max(1);
-    // Turns on the spot take no time here: a viewer shows one row an instant.
-    let mut rows: Vec<(f64, &[f64])> = Vec::new();
-    let mut clearance_m = Vec::new();
-    let over = planned.clearance.map(|own| own.over_stations(robot, every));
-    for (k, row) in replay.rows.iter().step_by(every).enumerate() {
-        if rows.last().is_none_or(|(time_s, _)| row.time_s > *time_s) {
-            rows.push((row.time_s, &row.posture));
-            clearance_m.extend(over.as_ref().map(|over| over[k]));
-        }
-    }
-    let about = planned.clearance.map(Checked::surroundings);
-    let (scene, frames) = travel_view(robot, &rows, about.unwrap_or_default());
-    let joints = robot.chain.joints.iter().enumerate();
-    let channel = |(i, joint): (usize, &truecut_arm::Joint)| {
-        let name = format!("joint{}.angle", i + 1);
-        ChannelSpec::new(name, Unit::Radian, format!("angle of {}", joint.name))
-    };
-    let mut channels: Vec<ChannelSpec> = joints.map(channel).collect();
-    let time_s: Vec<f64> = rows.iter().map(|(time_s, _)| *time_s).collect();
-    let column = |joint: usize| rows.iter().map(|(_, posture)| posture[joint]).collect();
-    let mut columns: Vec<Vec<f64>> = (0..robot.dof()).map(column).collect();
-    // Where there is nothing that could be met, there is no clearance.
-    if !clearance_m.is_empty() && clearance_m.iter().all(|m| m.is_finite()) {
-        let what = "distance of the two bodies that are nearest to each other";
-        channels.push(ChannelSpec::new("cell.clearance", Unit::Metre, what));
-        columns.push(clearance_m);
-    }
-    let header = Header {
-        scenario_name: program.name.clone(),
-        scenario_text: String::new(),
-        channels,
-        scene,
-        notes: program.notes.clone(),
-    };
-    let mut sink = RrdSink::new(file);
-    sink.begin(&header).map_err(failed)?;
-    let chunk = Chunk {
-        time_s: &time_s,
-        columns: columns.iter().map(Vec::as_slice).collect(),
-        frames: &frames,
-    };
-    sink.chunk(&chunk).map_err(failed)?;
-    let recording = Recording {
-        header,
-        time_s: time_s.clone(),
-        columns: columns.clone(),
-        profiles: Vec::new(),
-        scalars: Vec::new(),
-        outcome: Outcome::Completed,
-    };
-    sink.finish(&recording, &[]).map_err(failed)
 }
 
 /// Whether a job's arguments hold any that only CAM files take.

@@ -28,8 +28,12 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
     Ok(written)
 }
 
-/// Writes a program's files. What collides gets none, and those of an earlier call go: beside the
-/// path of this one they would be taken for its own.
+/// Why there is no program beside a path that was written.
+pub const UNWRITTEN: &str = "  ✗ no program is written: what collides, or asks of the arm what it \
+                             cannot do, is not to be run\n";
+
+/// Writes a program's files. What collides or asks of the arm what it cannot do gets none, and
+/// those of an earlier call go: beside the path of this one they would be taken for its own.
 pub fn programs(
     folder: &Path,
     files: Vec<ProgramFile>,

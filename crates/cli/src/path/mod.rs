@@ -2,6 +2,7 @@
 
 mod body;
 mod cam;
+mod cam_files;
 mod depth;
 mod figure;
 mod files;
@@ -9,9 +10,10 @@ mod inputs;
 mod text;
 mod view;
 
+pub use cam::TOOL;
 use depth::Depths;
 use nalgebra::{Isometry3, Vector3};
-use truecut_plan::clearance::{Own, Solid, Station, Tool};
+use truecut_plan::clearance::{Cell, Own, Solid, Station, Tool};
 use truecut_plan::motion::joints::slowest_joint_s;
 use truecut_plan::program::{
     Finding, FindingKind, Motion, Move, Program, ProgramErrorKind, Replay, TravelOptions,
@@ -49,9 +51,10 @@ struct PlannedPath<'a> {
 }
 
 impl PlannedPath<'_> {
-    /// Whether nothing comes nearer than asked, as far as that is looked at.
+    /// Whether the arm can run the program, between its points too, and nothing comes nearer than
+    /// asked, as far as that is looked at.
     fn holds(&self) -> bool {
-        self.clearance.as_ref().is_none_or(Checked::holds)
+        self.replay.grave().next().is_none() && self.clearance.as_ref().is_none_or(Checked::holds)
     }
 }
 
@@ -80,16 +83,18 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
 
 fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, Failure> {
     let progress = Progress::new(4, "path");
+    // First what a look at the files tells.
+    let setup = &job.program;
+    let name = setup.dialect.check_name(&setup.name);
+    name.map_err(|fault| job.problem("program.name", fault.to_string()))?;
+    let head = setup.head(&inputs.robot);
+    let head = head.map_err(|fault| job.problem("program", fault.to_string()))?;
+    let cell = cell(job, inputs, &head)?;
     let run = progress.run();
     let path = (job.path.lines(&job.wheel, &inputs.patch)).map_err(|error| refused(job, &error))?;
     drop(run);
     let poses = path.poses(job.path.lift_m);
-    let depths = Depths::of(job, inputs, &poses, &progress)?;
-    let chords = path.chords(inputs.patch.surface.as_ref(), &job.wheel);
-    depth::check_edge_gaps(job, &path, &chords)?;
     let run = progress.run();
-    let head = job.program.head(&inputs.robot);
-    let head = head.map_err(|fault| job.problem("program", fault.to_string()))?;
     let (parts, program) =
         follow(job, inputs, head, &poses).map_err(|error| refused(job, &error))?;
     let findings = program.inspect(&inputs.robot, &TravelOptions::default().singularity);
@@ -97,9 +102,16 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, F
         return Err(too_fast(job, fast));
     }
     drop(run);
+    let depths = Depths::of(job, inputs, &poses, &progress)?;
+    let chords = path.chords(inputs.patch.surface.as_ref(), &job.wheel);
+    depth::check_edge_gaps(job, &path, &chords)?;
     let run = progress.run();
-    let (clearance, replay) = clearance(job, inputs, &program, &|part| run.set(part))?;
+    let replay = replayed(&program, &inputs.robot, job.path(), &|part| run.set(part))?;
     drop(run);
+    let clearance = cell.map(|cell| {
+        let stations = Station::of_replay(&program, &replay, |_| false);
+        Checked::of(&inputs.robot, cell, stations)
+    });
     Ok(PlannedPath {
         job,
         inputs,
@@ -114,17 +126,10 @@ fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, F
     })
 }
 
-/// How near arm, wheel and what is carried come to the part, its copies and what stands about it,
-/// where the job names a cell.
-fn clearance(
-    job: &PathJob,
-    inputs: &Inputs,
-    program: &Program,
-    tell: &(dyn Fn(f64) + Sync),
-) -> Result<(Option<Checked>, Replay), Failure> {
-    let replay = replayed(program, &inputs.robot, job.path(), tell)?;
+/// The cell that the job names: the part, its copies and what stands about them, with the wheel.
+fn cell(job: &PathJob, inputs: &Inputs, head: &Program) -> Result<Option<Cell>, Failure> {
     let Some(cell) = job.cell.as_deref() else {
-        return Ok((None, replay));
+        return Ok(None);
     };
     let mesh = inputs.body.as_ref().unwrap_or(&inputs.patch_mesh);
     let at = job.surface.world_from_patch;
@@ -140,15 +145,13 @@ fn clearance(
             radius_m: job.wheel.radius_m,
             length_m: job.wheel.width_m,
         },
-        flange_from_solid: program.tool.flange_from_tool * about_y,
+        flange_from_solid: head.tool.flange_from_tool * about_y,
     };
     let own = Own {
         part: places.into_iter().map(|place| (mesh, place)).collect(),
         tools: vec![wheel],
     };
-    let cell = Checked::cell_of_job(&inputs.robot, cell, &own)?;
-    let stations = Station::of_replay(program, &replay, |_| false);
-    Ok((Some(Checked::of(&inputs.robot, cell, stations)), replay))
+    Checked::cell_of_job(&inputs.robot, cell, &own).map(Some)
 }
 
 /// The program of all copies.

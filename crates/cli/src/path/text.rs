@@ -26,8 +26,15 @@ pub fn printed(answer: &PlannedPath<'_>, written: &[PathBuf]) -> String {
     if let Some(checked) = &answer.clearance {
         text.push_str(&checked.faults(&|point| name(answer, point)));
     }
+    for finding in answer.replay.grave().take(LISTED) {
+        text.push_str(&format!("  ✗ {finding}\n"));
+    }
+    let more = answer.replay.grave().count().saturating_sub(LISTED);
+    if more > 0 {
+        text.push_str(&format!("  ✗ and {more} more\n"));
+    }
     if !answer.holds() {
-        text.push_str("  ✗ no program is written: what collides is not to be run\n");
+        text.push_str(super::files::UNWRITTEN);
     }
     text.push_str(&notes(answer));
     if let Some((first, rest)) = written.split_first() {

@@ -8,10 +8,9 @@ use std::path::Path;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use truecut_arm::Robot;
 use truecut_plan::clearance::Station;
-use truecut_plan::program::{
-    FindingKind, MOST_PLACES, Motion, Program, Replay, ReplayOptions, ZoneReport,
-};
+use truecut_plan::program::{MOST_PLACES, Motion, Program, Replay, ReplayOptions, ZoneReport};
 use truecut_recording::{Unit, significant};
+use truecut_scenario::harmless_text;
 
 use crate::args::ProgramArguments;
 use crate::clearance::Checked;
@@ -103,21 +102,21 @@ pub struct RunThrough<'a> {
 pub fn run_through(run: &RunThrough<'_>) -> Result<ExitStatus, Failure> {
     let zones = run.program.zones(run.acceleration_m_per_s2);
     crate::print(&printed(run, &zones))?;
-    let grave = |kind: &FindingKind| !matches!(kind, FindingKind::NearSingularity { .. });
-    let near =
-        |d: &Deviation| d.position_m.value <= ALLOWED_M && d.attitude_rad.value <= ALLOWED_RAD;
-    let holds = !run
-        .replay
-        .findings
-        .iter()
-        .any(|finding| grave(&finding.kind))
-        && run.deviation.is_none_or(near)
-        && run.clearance.is_none_or(Checked::holds);
-    Ok(if holds {
-        ExitStatus::Good
-    } else {
-        ExitStatus::ClaimFailed
+    Ok(match run.holds() {
+        true => ExitStatus::Good,
+        false => ExitStatus::ClaimFailed,
     })
+}
+
+impl RunThrough<'_> {
+    /// Whether the arm can run the program, meets nothing, and is led along the path.
+    pub fn holds(&self) -> bool {
+        let near =
+            |d: &Deviation| d.position_m.value <= ALLOWED_M && d.attitude_rad.value <= ALLOWED_RAD;
+        self.replay.grave().next().is_none()
+            && self.deviation.is_none_or(near)
+            && self.clearance.is_none_or(Checked::holds)
+    }
 }
 
 /// A frame in the world as options give it: mm, and degrees about the fixed axes x, y, z.
@@ -167,7 +166,8 @@ fn printed(run: &RunThrough<'_>, zones: &ZoneReport) -> String {
     text.push_str(&faults.unwrap_or_default());
     let of_cell = run.clearance.iter().flat_map(|own| own.notes());
     for note in program.notes.iter().chain(of_cell) {
-        text.push_str(&format!("  note: {note}\n"));
+        // Notes quote words of the file.
+        text.push_str(&format!("  note: {}\n", harmless_text(note)));
     }
     text
 }

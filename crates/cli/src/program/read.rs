@@ -28,7 +28,7 @@ pub fn read(
     })?;
     check_arguments(arguments, dialect)?;
     let frames = Frames {
-        tool: Tool::of(robot, "wheel", 0),
+        tool: Tool::of(robot, crate::path::TOOL, 0),
         world_from_base: *base,
     };
     let settings = Settings {

@@ -355,7 +355,7 @@ impl AptReader<'_> {
         let apart_m = start_m.max(end_m);
         ProgramErrorKind::unless(
             apart_m <= ARC_CLOSES_M,
-            "the arc does not close: in mm a point lies off the circle by",
+            "the arc does not close: the distance of a point from its circle in mm",
             format!("{:.4}", apart_m * 1e3),
             format!("at most {} mm", ARC_CLOSES_M * 1e3),
         )?;

@@ -53,7 +53,12 @@ impl Cell {
     /// With the key: a mesh that cannot be read or has no size, a name that stands twice or that
     /// nothing has, a fixture within the part, a part within a fixture.
     pub fn new(robot: &Robot, setup: &CellSetup, own: &Own<'_>) -> Result<Self, CellError> {
-        let (links, notes) = robot.solids();
+        let (links, mut notes) = robot.solids();
+        if setup.part.is_none() && setup.fixtures.is_empty() && setup.carried.is_empty() {
+            let text =
+                "the cell's file names no part, no fixture and nothing that the flange carries";
+            notes.push(text.to_owned());
+        }
         let mut cell = Self {
             bodies: Vec::new(),
             pairs: Vec::new(),

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use truecut_arm::Robot;
 
-use super::error::{OptionFault, ProgramError};
+use super::error::{OptionFault, ProgramError, ProgramErrorKind};
 use super::moves::{Program, Tool};
 
 /// A dialect's own options by key, as a path job's `[program]` gives them.
@@ -59,6 +59,13 @@ pub trait Dialect: Debug + Sync {
     /// The first option that is missing, or has a value that it must not have.
     fn check(&self, options: &Options) -> Result<(), OptionFault> {
         table::<NoOptions>(options).map(drop)
+    }
+    /// Checks a program's name before anything is planned.
+    ///
+    /// # Errors
+    /// A name that the language does not take.
+    fn check_name(&self, _name: &str) -> Result<(), ProgramErrorKind> {
+        Ok(())
     }
     /// The robot's own tool under the name or number that the options give it.
     ///

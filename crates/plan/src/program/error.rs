@@ -51,6 +51,8 @@ pub enum ProgramErrorKind {
     Option(#[from] OptionFault),
     #[error("`{found}` stands where {wanted} is wanted")]
     Unexpected { found: String, wanted: String },
+    #[error("`{found}` is not read: it is {why}")]
+    NotRead { found: String, why: String },
     #[error("the file ends here, before {missing}")]
     Truncated { missing: String },
     #[error("{what} has {found} fields; {wanted} are wanted")]
@@ -241,6 +243,13 @@ impl ProgramErrorKind {
         Self::Unexpected {
             found: found.to_owned(),
             wanted: wanted.to_owned(),
+        }
+    }
+
+    pub(crate) fn not_read(found: &str, why: &str) -> Self {
+        Self::NotRead {
+            found: found.to_owned(),
+            why: why.to_owned(),
         }
     }
 

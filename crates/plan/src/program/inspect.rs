@@ -42,6 +42,12 @@ pub enum FindingKind {
 }
 
 impl FindingKind {
+    /// Whether the arm cannot do what is asked, not only badly.
+    #[must_use]
+    pub fn is_grave(&self) -> bool {
+        !matches!(self, Self::NearSingularity { .. })
+    }
+
     /// A joint that is too fast.
     pub(super) fn of_speed(one: &JointSpeed) -> Self {
         Self::TooFast {

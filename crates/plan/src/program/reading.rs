@@ -23,6 +23,8 @@ pub(super) enum Goal {
     /// The tool's pose in the program's base frame, with what the file says of the branch. Without
     /// it the posture is the one nearest to that before.
     Pose(Isometry3<f64>, Option<Box<dyn Flags>>),
+    /// A pose, in the posture nearest to this one.
+    Near(Isometry3<f64>, Vec<f64>),
     Joints(Vec<f64>),
 }
 
@@ -108,7 +110,7 @@ pub(super) fn follow(
             found.map_err(|kind| ProgramError::in_file(path, step.line, kind))
         }
         (Goal::Joints(joints), _) => Ok(vec![(0.0, joints.clone())]),
-        (Goal::Pose(..), _) => Ok(Column::new()),
+        (Goal::Pose(..) | Goal::Near(..), _) => Ok(Column::new()),
     };
     // Collected in order, so that the first fault of the file is reported.
     let columns: Vec<Result<Column, ProgramError>> =
@@ -116,16 +118,16 @@ pub(super) fn follow(
     let mut columns: Vec<Column> = columns.into_iter().collect::<Result<_, _>>()?;
     let solver = robot.ik_solver(&BranchOptions::default());
     for i in 0..columns.len() {
-        if let (true, Goal::Pose(pose, _)) = (columns[i].is_empty(), &steps[i].goal) {
+        let given = match &steps[i].goal {
+            Goal::Near(pose, near) => Some((pose, Some(vec![(0.0, near.clone())]))),
+            Goal::Pose(pose, _) => Some((pose, None)),
+            Goal::Joints(_) => None,
+        };
+        if let (true, Some((pose, near))) = (columns[i].is_empty(), given) {
             let before = i.checked_sub(1).map(|k| columns[k].as_slice());
+            let near = near.as_deref().or(before).unwrap_or_default();
             let flange = head.world_from_flange(pose);
-            let found = unflagged(
-                robot,
-                &solver,
-                &flange,
-                before.unwrap_or_default(),
-                points[i],
-            );
+            let found = unflagged(robot, &solver, &flange, near, points[i]);
             columns[i] = found.map_err(|kind| ProgramError::in_file(path, steps[i].line, kind))?;
         }
     }
@@ -153,7 +155,7 @@ impl Step {
 
     fn pose(&self, head: &Program, robot: &Robot) -> Isometry3<f64> {
         match &self.goal {
-            Goal::Pose(pose, _) => *pose,
+            Goal::Pose(pose, _) | Goal::Near(pose, _) => *pose,
             Goal::Joints(joints) => {
                 let flange = robot.world_from_frame(joints, FrameId::Flange);
                 head.world_from_base.inverse() * flange * head.tool.flange_from_tool
@@ -173,7 +175,7 @@ fn chords(
     let mut firsts = Vec::with_capacity(steps.len());
     for mut step in steps {
         let at = |kind| ProgramError::in_file(path, step.line, kind);
-        if let Goal::Joints(joints) = &step.goal
+        if let Goal::Joints(joints) | Goal::Near(_, joints) = &step.goal
             && joints.len() != robot.dof()
         {
             return Err(at(ProgramErrorKind::JointCount {

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Isometry3;
 use rayon::prelude::*;
-use truecut_arm::{BranchOptions, FrameId, OpwGeometry, Robot};
+use truecut_arm::{BranchOptions, FrameId, IkSolver, Robot};
 
 use super::inspect::{Finding, FindingKind, ON_THE_SPOT_M, too_near};
 use super::moves::{Motion, Move, Program};
@@ -76,6 +76,14 @@ pub struct Replay {
     pub fastest: Option<(f64, usize, usize)>,
 }
 
+impl Replay {
+    /// What the arm cannot do.
+    pub fn grave(&self) -> impl Iterator<Item = &Finding> {
+        let findings = self.findings.iter();
+        findings.filter(|finding| finding.kind.is_grave())
+    }
+}
+
 impl Program {
     /// How many places a run through looks at.
     #[must_use]
@@ -111,13 +119,14 @@ impl Program {
         let (done, all) = (AtomicUsize::new(0), self.moves.len() as f64);
         // Moves are independent of each other: each begins and ends with a posture of the program.
         let pairs = self.moves.par_windows(2);
+        let solver = robot.ik_solver(&BranchOptions::default());
         let legs: Vec<Leg> = pairs
             .map(|pair| {
                 let before = done.fetch_add(1, Ordering::Relaxed);
                 if before.is_multiple_of(TOLD_EVERY) {
                     tell(before as f64 / all);
                 }
-                self.leg(robot, &pair[0], &pair[1], options)
+                self.leg(robot, &solver, [&pair[0], &pair[1]], options)
             })
             .collect();
         let mut replay = Replay {
@@ -159,11 +168,17 @@ impl Program {
         replay
     }
 
-    fn leg(&self, robot: &Robot, before: &Move, step: &Move, options: &ReplayOptions) -> Leg {
+    fn leg(
+        &self,
+        robot: &Robot,
+        solver: &IkSolver<'_>,
+        [before, step]: [&Move; 2],
+        options: &ReplayOptions,
+    ) -> Leg {
         match step.motion {
             Motion::Joint { share } => self.by_joints(robot, before, step, share, options),
             Motion::Linear { speed_m_per_s } => {
-                self.on_line(robot, before, step, speed_m_per_s, options)
+                self.on_line(solver, [before, step], speed_m_per_s, options)
             }
         }
     }
@@ -196,17 +211,15 @@ impl Program {
 
     fn on_line(
         &self,
-        robot: &Robot,
-        before: &Move,
-        step: &Move,
+        solver: &IkSolver<'_>,
+        [before, step]: [&Move; 2],
         speed_m_per_s: f64,
         options: &ReplayOptions,
     ) -> Leg {
+        let robot = solver.robot();
         let (from, to) = (&before.base_from_tool, &step.base_from_tool);
         let path_m = (to.translation.vector - from.translation.vector).norm();
         let count = options.places(from, to);
-        let solver = robot.ik_solver(&BranchOptions::default());
-        let geometry = OpwGeometry::of(robot);
         let mut leg = Leg::default();
         let mut last = before.posture.clone();
         for k in 1..=count {
@@ -228,7 +241,7 @@ impl Program {
             if path_m > ON_THE_SPOT_M {
                 leg.speeds(robot, step, &last, &posture, time_s / count as f64);
             }
-            if let Some(geometry) = geometry.as_ref().filter(|_| k < count)
+            if let Some(geometry) = solver.geometry().filter(|_| k < count)
                 && let Some((joint, kind)) = too_near(geometry, &posture, &options.singularity)
             {
                 leg.find(robot, step, joint, kind);

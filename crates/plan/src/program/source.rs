@@ -155,6 +155,16 @@ impl<'a> Source<'a> {
         comes
     }
 
+    /// Takes what comes next if it is a word.
+    pub fn take_word(&mut self) -> Option<&'a str> {
+        let Some((Token::Word(word), _)) = &self.ahead[0] else {
+            return None;
+        };
+        let word = *word;
+        self.advance();
+        Some(word)
+    }
+
     /// Takes a word that this mark follows, and the mark.
     pub fn named(&mut self, mark: &str) -> Option<&'a str> {
         match &self.ahead {

@@ -4,6 +4,7 @@
 #[path = "../assets/mod.rs"]
 mod assets;
 mod controllers;
+mod documented;
 mod refused;
 
 use std::path::{Path, PathBuf};
@@ -92,7 +93,7 @@ fn rapid_as_people_write_it_is_read() {
     assert!((load.mass_kg - 4.2).abs() < 1e-12);
     for quote in [
         "WaitTime is left aside",
-        "Set is left aside",
+        "1 digital outputs are set that are not the spindle's",
         "of the type loaddata",
     ] {
         assert!(

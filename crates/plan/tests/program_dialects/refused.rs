@@ -12,7 +12,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ("no_speed.src", 3, &["`LIN`", "$VEL.CP"]),
     ("missing_position.src", 2, &["no XP1 to move to"]),
     ("no_end.src", 2, &["ends here"]),
-    ("subprogram.src", 3, &["`GRIND`", "subprograms"]),
+    ("subprogram.src", 3, &["`GRIND`", "a subprogram"]),
     ("four_axes.src", 2, &["has 4 fields", "6 are wanted"]),
     ("two_tools.src", 3, &["the tool", "one is read"]),
     ("no_z.src", 2, &["a position", "one with Z"]),

@@ -141,7 +141,7 @@ pub(super) struct PathTable {
     /// Normal of the planes in the patch's frame, for parallel_plane.
     plane_normal: Option<[f64; 3]>,
     /// Largest distance of points along a line.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "points get on along the line"))]
+    #[schemars(extend("minimum" = 0.02, "x-rule" = "programs print thousandths of a millimetre, by which nearer points would lose the line's direction"))]
     step_mm: f64,
     /// Distance that the contact keeps from the borders of the face. Default: 0.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "the contact stays on the face"))]

@@ -97,7 +97,11 @@ pub(crate) struct BeltTable {
     #[schemars(extend("minimum" = 0.0, "x-rule" = "friction opposes sliding"))]
     mu: f64,
     /// Preston coefficient.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "grinding removes material"))]
+    #[schemars(extend(
+        "minimum" = 0.0,
+        "maximum" = 1e-6,
+        "x-rule" = "grinding removes material, less than a metre of it on a metre's way under 1 MPa"
+    ))]
     preston_per_pa: f64,
     /// Largest size of the cells on which removal is kept. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cell has a size"))]

@@ -106,7 +106,11 @@ pub(crate) struct BrushTable {
     #[schemars(extend("minimum" = 0.0, "x-rule" = "friction opposes sliding"))]
     mu: f64,
     /// Preston coefficient.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "brushing removes material"))]
+    #[schemars(extend(
+        "minimum" = 0.0,
+        "maximum" = 1e-6,
+        "x-rule" = "brushing removes material, less than a metre of it on a metre's way under 1 MPa"
+    ))]
     preston_per_pa: f64,
     /// Largest distance of the places on an edge for which its state is kept. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "places get on along the edge"))]

@@ -90,7 +90,11 @@ pub(crate) struct ChamferTable {
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "without feed there is no chip"))]
     feed_mm_per_rev: f64,
     /// Feed depth at the end of the ramp, along the spindle axis.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a chamfer has a depth"))]
+    #[schemars(extend(
+        "exclusiveMinimum" = 0.0,
+        "maximum" = 1e3,
+        "x-rule" = "a chamfer has a depth, no more than a metre"
+    ))]
     depth_mm: f64,
     /// Angle between the cutting edge and the spindle axis.
     #[schemars(extend(

@@ -27,7 +27,11 @@ pub(crate) struct MaterialTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct CuttingTable {
     /// Tangential force per chip area.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "cutting resists the rotation"))]
+    #[schemars(extend(
+        "minimum" = 0.0,
+        "maximum" = 1e5,
+        "x-rule" = "cutting resists the rotation, by less than the hardness of diamond"
+    ))]
     tangential_mpa: f64,
     /// Radial force per chip area; positive away from the surface.
     radial_mpa: f64,

@@ -94,6 +94,8 @@ pub struct Findings {
     pub part: Option<PartMesh>,
     /// Where the run left what the process' model describes.
     pub beyond: Option<Outcome>,
+    /// That what the process is for never happened; of a run that was cut short it says nothing.
+    pub idle: Option<Outcome>,
     /// Where something was asked of an actuator of the process that it does not give; a run's rule
     /// for overload says whether that counts.
     pub overload: Option<Outcome>,

@@ -27,6 +27,7 @@ mod record;
 mod request;
 mod rows;
 mod runs;
+mod scalars;
 
 pub use crate::engine::Engine;
 pub use error::RunError;

@@ -74,6 +74,8 @@ impl Run<'_> {
         if self.claims != Claims::Ignore {
             scenario.check_claims(&header)?;
             scenario.check_bands(cell.row_interval_s())?;
+            let extent = (cell.extent().steps, about.is_some());
+            self.check_scalars(scenario, measured, &header, extent)?;
         }
         let keep = match self.keep {
             Keep::All => None,

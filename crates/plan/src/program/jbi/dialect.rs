@@ -125,6 +125,10 @@ impl Dialect for Jbi {
         Ok(Tool::of(robot, "wheel", number))
     }
 
+    fn check_name(&self, name: &str) -> Result<(), ProgramErrorKind> {
+        super::check_name(name)
+    }
+
     fn write(
         &self,
         program: &Program,

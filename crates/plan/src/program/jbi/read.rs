@@ -45,6 +45,11 @@ struct JobReader<'a> {
     notes: Notes,
 }
 
+/// What changes nothing of a move's way but its pace.
+fn is_pace(word: &str) -> bool {
+    word == "NWAIT" || word.starts_with("ACC=") || word.starts_with("DEC=")
+}
+
 impl JbiJob {
     /// Reads a job.
     ///
@@ -137,7 +142,12 @@ impl<'a> JobReader<'a> {
                 self.announced = Some((self.line, counts[0], counts[2]));
             }
             "///TOOL" => {
-                self.job.tool = whole(rest, "///TOOL")?;
+                let number = whole(rest, "///TOOL")?;
+                if !self.job.positions.is_empty() && number != self.job.tool {
+                    let rule = format!("{}, as before: one tool is read", self.job.tool);
+                    return Err(ProgramErrorKind::value("///TOOL", number, rule));
+                }
+                self.job.tool = number;
                 let rule = format!("from 0 to {LAST_TOOL}");
                 ProgramErrorKind::unless(self.job.tool <= LAST_TOOL, "///TOOL", rest, rule)?;
             }
@@ -259,6 +269,10 @@ impl<'a> JobReader<'a> {
             self.notes
                 .add(self.line, format!("{} is left aside", idle.trim()));
         } else if !line.starts_with('\'') {
+            for word in line.split_whitespace().filter(|word| is_pace(word)) {
+                let text = format!("{word} of a move is left aside");
+                self.notes.add(self.line, text);
+            }
             ProgramErrorKind::unless_too_many(self.job.moves.len() + 1)?;
             let step = self.move_of(line)?;
             self.job.moves.push(step);
@@ -268,7 +282,8 @@ impl<'a> JobReader<'a> {
     }
 
     fn move_of(&self, line: &str) -> Result<JbiMove, ProgramErrorKind> {
-        let words: Vec<&str> = line.split_whitespace().collect();
+        let words = line.split_whitespace().filter(|word| !is_pace(word));
+        let words: Vec<&str> = words.collect();
         let (main, mut beside) = words.split_at(words.len().min(3));
         let mut level = None;
         if let [first, rest @ ..] = beside

@@ -7,7 +7,7 @@ use truecut_arm::Robot;
 use crate::program::dialect::{
     Dialect, Frames, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
 };
-use crate::program::{Program, ProgramError};
+use crate::program::{Program, ProgramError, ProgramErrorKind};
 
 /// The dialect of KUKA programs.
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +56,10 @@ impl Dialect for Krl {
 
     fn holds_base(&self) -> bool {
         true
+    }
+
+    fn check_name(&self, name: &str) -> Result<(), ProgramErrorKind> {
+        super::check_name(name)
     }
 
     fn write(

@@ -6,6 +6,7 @@
 mod dialect;
 mod motion;
 mod read;
+mod settings;
 mod structures;
 mod write;
 

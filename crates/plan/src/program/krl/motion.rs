@@ -8,6 +8,15 @@ use crate::program::reading::{Goal, Step};
 use crate::program::source::LINE_END;
 use crate::program::{Motion, ProgramError, ProgramErrorKind, Zone};
 
+/// What stands behind the target of a move.
+#[derive(Default)]
+struct Endings {
+    passes: bool,
+    /// Of this move alone.
+    speed_m_per_s: Option<f64>,
+    share: Option<f64>,
+}
+
 impl KrlReader<'_> {
     fn target(&mut self) -> Result<(String, Numbers), ProgramError> {
         if self.source.comes("{") {
@@ -21,6 +30,11 @@ impl KrlReader<'_> {
     }
 
     pub(super) fn motion(&mut self, verb: &str, line: usize) -> Result<(), ProgramError> {
+        let actual = ["$POS_ACT", "$AXIS_ACT"];
+        if let Some(here) = actual.into_iter().find(|name| self.source.comes(name)) {
+            // To where the arm stands: so programs begin, to be carried there slowly.
+            return self.aside(line, &format!("{verb} {here}"));
+        }
         let mut via = None;
         if verb == "CIRC" {
             let (_, numbers) = self.target()?;
@@ -34,23 +48,14 @@ impl KrlReader<'_> {
                 ProgramErrorKind::unexpected("an angle CA", "the end of the circle"),
             ));
         }
-        let mut passes = false;
-        while !self.source.comes(LINE_END) {
-            match self
-                .source
-                .word("C_DIS, C_PTP or the end of the line")?
-                .to_uppercase()
-                .as_str()
-            {
-                "C_DIS" | "C_PTP" | "C_VEL" | "C_ORI" => passes = true,
-                _ => {
-                    return Err(self
-                        .source
-                        .unexpected("C_DIS, C_PTP or the end of the line"));
-                }
-            }
-        }
-        let motion = match (verb, self.share, self.speed_m_per_s) {
+        let Endings {
+            passes,
+            speed_m_per_s,
+            share,
+        } = self.endings(line)?;
+        let share = share.or(self.share);
+        let speed_m_per_s = speed_m_per_s.or(self.speed_m_per_s);
+        let motion = match (verb, share, speed_m_per_s) {
             // What BAS sets when a program starts.
             ("PTP", share, _) => Motion::Joint {
                 share: share.unwrap_or(1.0),
@@ -77,6 +82,43 @@ impl KrlReader<'_> {
             },
             turntable_rad: target.get("E1").map(|deg| deg.to_radians()),
         });
+        Ok(())
+    }
+
+    /// What stands behind the target, to the end of the line.
+    fn endings(&mut self, line: usize) -> Result<Endings, ProgramError> {
+        let wanted = "C_DIS, C_PTP, WITH or the end of the line";
+        let mut found = Endings::default();
+        while !self.source.comes(LINE_END) {
+            match self.source.word(wanted)?.to_uppercase().as_str() {
+                "C_DIS" | "C_PTP" | "C_VEL" | "C_ORI" | "C_SPL" => found.passes = true,
+                "WITH" => self.with(&mut found, line)?,
+                _ => return Err(self.source.unexpected(wanted)),
+            }
+        }
+        Ok(found)
+    }
+
+    /// What a spline's move sets for itself, up to its zone: of that the speed is read.
+    fn with(&mut self, found: &mut Endings, line: usize) -> Result<(), ProgramError> {
+        self.notes.add(line, "WITH is left aside but for its speed");
+        while !(self.source.comes("C_SPL") || self.source.comes(LINE_END)) {
+            let word = self.source.take_word().unwrap_or_default().to_uppercase();
+            let is_named = match word.as_str() {
+                "SVEL_CP" | "SVEL_JOINT" => self.source.take("("),
+                "$VEL.CP" => self.source.take("="),
+                "" => {
+                    self.source.skip_one(LINE_END)?;
+                    false
+                }
+                _ => false,
+            };
+            if is_named && word == "SVEL_JOINT" {
+                found.share = Some(self.percentage()?);
+            } else if is_named && !self.source.comes("SVEL_CP") {
+                found.speed_m_per_s = Some(self.pace()?);
+            }
+        }
         Ok(())
     }
 

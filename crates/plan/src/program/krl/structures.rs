@@ -14,6 +14,13 @@ use crate::program::{ProgramError, ProgramErrorKind};
 /// A structure of numbers: components by name.
 pub(super) type Numbers = BTreeMap<String, f64>;
 
+/// Types of places.
+const PLACES: [&str; 5] = ["E6POS", "E6AXIS", "POS", "FRAME", "AXIS"];
+/// Types that a declaration may begin with.
+pub(super) const TYPES: [&str; 10] = [
+    "E6POS", "E6AXIS", "POS", "FRAME", "AXIS", "INT", "REAL", "BOOL", "CHAR", "STRUC",
+];
+
 /// Positions of a `.dat`.
 pub(super) fn read_data(
     text: &str,
@@ -32,7 +39,7 @@ pub(super) fn read_data(
                 declared(&mut source, positions)?;
                 continue;
             }
-            "E6POS" | "E6AXIS" | "POS" | "FRAME" | "AXIS" => {
+            _ if PLACES.contains(&word.as_str()) => {
                 position(&mut source, positions)?;
                 continue;
             }
@@ -48,11 +55,23 @@ pub(super) fn declared(
     positions: &mut BTreeMap<String, Numbers>,
 ) -> Result<(), ProgramError> {
     loop {
-        match source.word("a type")?.to_uppercase().as_str() {
+        let word = source.word("a type")?.to_uppercase();
+        match word.as_str() {
             "GLOBAL" | "CONST" | "DECL" => {}
-            "E6POS" | "E6AXIS" | "POS" | "FRAME" | "AXIS" => return position(source, positions),
-            _ => return source.skip_past(LINE_END),
+            _ => return typed(source, &word, positions),
         }
+    }
+}
+
+/// After the type: positions are kept, other data left out.
+pub(super) fn typed(
+    source: &mut Source<'_>,
+    kind: &str,
+    positions: &mut BTreeMap<String, Numbers>,
+) -> Result<(), ProgramError> {
+    match PLACES.contains(&kind) {
+        true => position(source, positions),
+        false => source.skip_past(LINE_END),
     }
 }
 
@@ -71,8 +90,20 @@ fn position(
 
 /// `{X 1,Y 2}` or `{FRAME: X 1,Y 2}`; structures inside are named `CM.X`.
 pub(super) fn numbers(source: &mut Source<'_>) -> Result<Numbers, ProgramError> {
-    let mut all = Numbers::new();
     source.expect(&["{"])?;
+    inside(source)
+}
+
+/// After the brace: a place, or `None` of what is none.
+pub(super) fn place_inside(source: &mut Source<'_>) -> Result<Option<Numbers>, ProgramError> {
+    let begins = ["X", "A1"].iter().chain(&PLACES);
+    let is_place = begins.into_iter().any(|word| source.comes(word));
+    is_place.then(|| inside(source)).transpose()
+}
+
+/// Components up to the closing brace.
+fn inside(source: &mut Source<'_>) -> Result<Numbers, ProgramError> {
+    let mut all = Numbers::new();
     loop {
         let name = source.word("a component")?.to_uppercase();
         if source.take(":") {

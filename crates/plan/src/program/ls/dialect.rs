@@ -133,6 +133,10 @@ impl Dialect for Ls {
         Ok(Tool::of(robot, "wheel", number))
     }
 
+    fn check_name(&self, name: &str) -> Result<(), ProgramErrorKind> {
+        super::check_name(name)
+    }
+
     fn write(
         &self,
         program: &Program,

@@ -85,14 +85,27 @@ fn group(source: &mut Source<'_>, position: &mut Position) -> Result<(), Program
                 if !source.take(":") {
                     source.expect(&["="])?;
                 }
+                // F: the frame that is selected when the position is moved to.
+                if matches!(name.as_str(), "UF" | "UT") && source.take("F") {
+                    source.expect(&[","])?;
+                    continue;
+                }
                 let value = source.number(&name)?;
                 if name == "UF" {
                     position.user_frame = value;
                 }
-                position.numbers.insert(name, value);
-                if source.comes("mm") || source.comes("deg") {
-                    source.word("a unit")?;
+                let unit = if matches!(name.as_str(), "X" | "Y" | "Z") {
+                    "mm"
+                } else {
+                    "deg"
+                };
+                let other = if unit == "mm" { "deg" } else { "mm" };
+                if !source.take(unit) && source.take(other) {
+                    let rule = format!("in {unit}: of further axes a turntable is read, as E1");
+                    let kind = ProgramErrorKind::value(&name, format!("{value} {other}"), rule);
+                    return Err(source.error(line, kind));
                 }
+                position.numbers.insert(name, value);
             }
         }
         let comma = source.take(",");

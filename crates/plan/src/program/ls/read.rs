@@ -36,6 +36,7 @@ const IDLE: &[&str] = &[
     "COL DETECT",
     "JOINT_MAX_SPEED",
     "LINEAR_MAX_SPEED",
+    "LBL[",
 ];
 /// Options of a move that change nothing of its way but its pace.
 const PACE: &[&str] = &["ACC", "PTH", "RTCP", "COORD", "WJNT", "MROT", "BREAK"];
@@ -47,7 +48,9 @@ struct LsReader {
     notes: Notes,
     head: Program,
     steps: Vec<Step>,
+    /// `UTOOL_NUM` and `UFRAME_NUM`, once they are given.
     number: Option<u8>,
+    user_frame: Option<u8>,
 }
 
 /// Reads a program.
@@ -86,6 +89,7 @@ pub(super) fn read(
         },
         steps: Vec::new(),
         number: None,
+        user_frame: None,
     };
     for (line, text) in instructions(&text, main, end) {
         let done = reader.instruction(&text, line);
@@ -165,10 +169,17 @@ fn instructions(text: &str, main: usize, end: usize) -> Vec<(usize, String)> {
     all
 }
 
+/// `!`, `--eg:`, or an instruction that is remarked out (`//`).
+fn is_remark(text: &str) -> bool {
+    ["!", "--eg:", "//"]
+        .iter()
+        .any(|mark| text.starts_with(mark))
+}
+
 impl LsReader {
     fn instruction(&mut self, text: &str, line: usize) -> Result<(), ProgramErrorKind> {
         let unexpected = || ProgramErrorKind::unexpected(text, WANTED);
-        if text.is_empty() || text.starts_with('!') || text.starts_with("--eg:") {
+        if text.is_empty() || is_remark(text) {
             return Ok(());
         }
         if text.ends_with(" without `;`") {
@@ -185,6 +196,12 @@ impl LsReader {
         }
         if let Some(number) = text.strip_prefix("UFRAME_NUM=") {
             let number: u8 = whole(number, "UFRAME_NUM")?;
+            let moves = !self.steps.is_empty();
+            let before = self.user_frame.replace(number);
+            if let Some(before) = before.filter(|before| moves && *before != number) {
+                let rule = format!("{before}, as in the moves before: one frame is read");
+                return Err(ProgramErrorKind::value("UFRAME_NUM", number, rule));
+            }
             if number != 0 {
                 self.notes.add(
                     line,
@@ -276,6 +293,7 @@ impl LsReader {
             }
             idle.push(word.to_owned());
         }
+        self.check_frames(position)?;
         let goal = self.goal(position)?;
         let turntable_rad = position.numbers.get("E1").map(|deg| deg.to_radians());
         for word in idle {
@@ -292,6 +310,23 @@ impl LsReader {
             zone,
             turntable_rad,
         });
+        Ok(())
+    }
+
+    /// As on the controller, a position is one of the frames that are selected.
+    fn check_frames(&self, position: &Position) -> Result<(), ProgramErrorKind> {
+        let selected = [
+            ("UT", "UTOOL_NUM", self.number),
+            ("UF", "UFRAME_NUM", self.user_frame),
+        ];
+        for (part, word, number) in selected {
+            let (Some(found), Some(number)) = (position.numbers.get(part), number) else {
+                continue;
+            };
+            let what = format!("{part} of the position in line {}", position.line);
+            let rule = format!("{number}, by {word}");
+            ProgramErrorKind::unless(*found == f64::from(number), what, found, rule)?;
+        }
         Ok(())
     }
 

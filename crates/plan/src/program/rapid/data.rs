@@ -115,8 +115,8 @@ pub(super) fn datum(
         "zonedata" => Datum::Zone(zone(name, value)?),
         "robtarget" => Datum::Target(target(name, value)?),
         "jointtarget" => {
-            let parts = value.parts(name, 2)?;
-            Datum::Joints(parts[0].numbers::<6>("robax")?, turntable(&parts[1])?)
+            let (joints, turntable) = joints(name, value)?;
+            Datum::Joints(joints, turntable)
         }
         "num" => Datum::Number(value.number(name)?),
         _ => return Ok(None),
@@ -191,6 +191,15 @@ pub(super) fn target(name: &str, value: &Value) -> Result<Target, ProgramErrorKi
         confdata,
         turntable_deg: turntable(&parts[3])?,
     })
+}
+
+/// Joints, and the turntable, deg.
+pub(super) fn joints(
+    name: &str,
+    value: &Value,
+) -> Result<([f64; 6], Option<f64>), ProgramErrorKind> {
+    let parts = value.parts(name, 2)?;
+    Ok((parts[0].numbers::<6>("robax")?, turntable(&parts[1])?))
 }
 
 fn turntable(value: &Value) -> Result<Option<f64>, ProgramErrorKind> {

@@ -86,6 +86,10 @@ impl Dialect for Rapid {
         Ok(Tool::of(robot, name.as_deref().unwrap_or("wheel"), 0))
     }
 
+    fn check_name(&self, name: &str) -> Result<(), ProgramErrorKind> {
+        super::check_name("the module's name", name)
+    }
+
     fn write(
         &self,
         program: &Program,

@@ -23,9 +23,7 @@ const IDLE: &[&str] = &[
     "gripload",
     "invertdo",
     "pulsedo",
-    "reset",
     "return",
-    "set",
     "setao",
     "setgo",
     "singarea",
@@ -225,9 +223,14 @@ impl<'a> ModuleReader<'a> {
                 "setdo" => {
                     let signal = self.source.word("a signal")?;
                     self.source.expect(&[","])?;
-                    let value = self.source.number("the signal's value")?;
+                    let on = self.level()?;
                     self.source.expect(&[";"])?;
-                    Instruction::Output(signal, value != 0.0)
+                    Instruction::Output(signal, on)
+                }
+                verb @ ("set" | "reset") => {
+                    let signal = self.source.word("a signal")?;
+                    self.source.expect(&[";"])?;
+                    Instruction::Output(signal, verb == "set")
                 }
                 idle if IDLE.contains(&idle) => {
                     self.notes.add(line, format!("{word} is left aside"));
@@ -244,6 +247,16 @@ impl<'a> ModuleReader<'a> {
         }
         self.procedures.push((name, body));
         Ok(())
+    }
+
+    /// What a signal is set to: a number, or one of the language's names for it.
+    fn level(&mut self) -> Result<bool, ProgramError> {
+        for (name, on) in [("high", true), ("low", false)] {
+            if self.source.take(name) {
+                return Ok(on);
+            }
+        }
+        Ok(self.source.number("the signal's value, high or low")? != 0.0)
     }
 
     fn motion(&mut self, verb: Verb) -> Result<Instruction<'a>, ProgramError> {
@@ -270,12 +283,26 @@ impl<'a> ModuleReader<'a> {
         };
         self.source.expect(&[","])?;
         let zone = self.source.value()?;
+        if self.source.take("\\") {
+            // How near the axes must be where the arm stops.
+            let line = self.source.line();
+            self.source.expect(&["Inpos", ":="])?;
+            self.source.value()?;
+            self.notes.add(line, "\\Inpos is left aside");
+        }
         self.source.expect(&[","])?;
         let tool = self.source.word("a tool")?;
         let mut base = "wobj0";
-        if self.source.take("\\") {
-            self.source.expect(&["WObj", ":="])?;
-            base = self.source.word("a work object")?;
+        while self.source.take("\\") {
+            let line = self.source.line();
+            let which = self.source.word("WObj or TLoad")?;
+            self.source.expect(&[":="])?;
+            let value = self.source.word("its name")?;
+            match which.to_lowercase().as_str() {
+                "wobj" => base = value,
+                "tload" => self.notes.add(line, "\\TLoad is left aside"),
+                _ => return Err(self.source.unexpected("WObj or TLoad")),
+            }
         }
         self.source.expect(&[";"])?;
         Ok(Instruction::Move(Box::new(MoveText {

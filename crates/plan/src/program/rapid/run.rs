@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
-use super::data::{Datum, Target, speed, target, zone};
+use super::data::{Datum, Target, joints, speed, target, zone};
 use super::module::{RapidGoal, RapidModule, RapidMove};
 use super::read::{Instruction, ModuleReader, MoveText, Place, Verb, WANTED};
 use crate::program::source::Value;
@@ -124,9 +124,13 @@ impl<'a> Runner<'a> {
             zone,
             turntable_deg: None,
         };
-        if let (Verb::Absolute, Place::Value(Value::Word(name))) = (text.verb, &text.to) {
-            let Some(Datum::Joints(joints, turntable)) = data.find(name) else {
-                return Err(undeclared(name));
+        if let (Verb::Absolute, Place::Value(value)) = (text.verb, &text.to) {
+            let (joints, turntable) = match value {
+                Value::Word(name) => match data.find(name) {
+                    Some(Datum::Joints(joints, turntable)) => (joints, turntable),
+                    _ => return Err(undeclared(name)),
+                },
+                value => joints("a jointtarget", value)?,
             };
             (step.goal, step.turntable_deg) = (RapidGoal::Joints(joints), turntable);
         } else {

@@ -7,7 +7,7 @@ use truecut_arm::Robot;
 use crate::program::dialect::{
     Dialect, Frames, ProgramFile, ReadText, Resolution, Settings, TurntableUnit,
 };
-use crate::program::{Program, ProgramError};
+use crate::program::{Program, ProgramError, ProgramErrorKind};
 
 /// The dialect of Universal Robots programs.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +57,10 @@ impl Dialect for UrScript {
 
     fn holds_base(&self) -> bool {
         false
+    }
+
+    fn check_name(&self, name: &str) -> Result<(), ProgramErrorKind> {
+        super::check_name(name)
     }
 
     fn write(

@@ -15,8 +15,8 @@ pub(super) enum Value {
     Truth(bool),
     List(Vec<f64>),
     Pose(Isometry3<f64>),
-    /// The posture of a pose that is nearest to the one before.
-    NearPose(Isometry3<f64>),
+    /// The posture of a pose that is nearest to this one, or to the one before.
+    NearPose(Isometry3<f64>, Option<Vec<f64>>),
 }
 
 pub(super) type Variables = BTreeMap<String, Value>;
@@ -79,11 +79,23 @@ pub(super) fn value(
         let given: Vec<Value> = given.into_iter().map(|(_, value)| value).collect();
         return match (word, given.as_slice()) {
             ("pose_trans", [Value::Pose(a), Value::Pose(b)]) => Ok(Value::Pose(a * b)),
+            // Places added in the base frame, turns one after the other.
+            ("pose_add", [Value::Pose(a), Value::Pose(b)]) => {
+                Ok(Value::Pose(Isometry3::from_parts(
+                    (a.translation.vector + b.translation.vector).into(),
+                    a.rotation * b.rotation,
+                )))
+            }
             ("pose_inv", [Value::Pose(a)]) => Ok(Value::Pose(a.inverse())),
-            ("get_inverse_kin", [Value::Pose(a), ..]) => Ok(Value::NearPose(*a)),
+            ("get_inverse_kin", [Value::Pose(a), Value::List(near), ..]) => {
+                Ok(Value::NearPose(*a, Some(near.clone())))
+            }
+            ("get_inverse_kin", [Value::Pose(a), ..]) => Ok(Value::NearPose(*a, None)),
             ("d2r", [Value::Number(deg)]) => Ok(Value::Number(deg.to_radians())),
+            ("r2d", [Value::Number(rad)]) => Ok(Value::Number(rad.to_degrees())),
             _ => {
-                let wanted = "pose_trans, pose_inv, get_inverse_kin or d2r of what they take";
+                let wanted = "pose_trans, pose_add, pose_inv, get_inverse_kin, d2r or r2d of what \
+                              they take";
                 Err(fault(source, ProgramErrorKind::unexpected(word, wanted)))
             }
         };

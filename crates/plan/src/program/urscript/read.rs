@@ -14,24 +14,19 @@ use crate::program::source::{LINE_END, Source};
 use crate::program::{Motion, Program, ProgramError, ProgramErrorKind, SpindleSwitch, Tool, Zone};
 
 const WANTED: &str = "movej, movel, movep, movec, an assignment, a setting or end";
-/// Functions that move nothing; they are left aside with a note.
+/// Functions that move nothing; they are left aside with a note, as are those whose names begin
+/// with [`SETTING`].
 const IDLE: &[&str] = &[
     "sleep",
     "sync",
     "textmsg",
     "popup",
-    "set_gravity",
-    "set_analog_out",
-    "set_tool_digital_out",
-    "set_configurable_digital_out",
-    "set_flag",
-    "set_safety_mode_transition_hardness",
-    "set_tool_voltage",
     "stopl",
     "stopj",
     "zero_ftsensor",
     "halt",
 ];
+const SETTING: [&str; 3] = ["set_", "write_", "reset_"];
 const OUTPUTS: [&str; 2] = ["set_standard_digital_out", "set_digital_out"];
 
 struct ScriptReader<'a> {
@@ -58,6 +53,7 @@ pub(super) fn read(
     settings: &Settings,
 ) -> Result<Program, ProgramError> {
     let text = text(file).map_err(|error| ProgramError::in_file(file, None, error.into()))?;
+    let text = without_marks(&text);
     let output = settings.spindle_number();
     let output = output.map_err(ProgramErrorKind::from)?;
     let point = |(i, line): (usize, &str)| {
@@ -88,6 +84,15 @@ pub(super) fn read(
     reader.script()?;
     reader.head.notes = reader.notes.texts();
     follow(reader.head, reader.steps, robot, file)
+}
+
+/// The text with the marks emptied by which PolyScope tells its tree's lines (`$ 3 "MoveL"`).
+fn without_marks(text: &str) -> String {
+    let line = |line: &str| match line.trim_start().starts_with('$') {
+        true => "\n".to_owned(),
+        false => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
 }
 
 impl ScriptReader<'_> {
@@ -133,23 +138,25 @@ impl ScriptReader<'_> {
     }
 
     fn call(&mut self, word: &str, line: usize) -> Result<(), ProgramError> {
-        if IDLE.contains(&word) {
+        let moves = matches!(word, "movej" | "movel" | "movep" | "movec");
+        let known = matches!(word, "set_tcp" | "set_payload" | "set_target_payload")
+            || OUTPUTS.contains(&word);
+        let is_setting = SETTING.iter().any(|begin| word.starts_with(begin)) && !known;
+        if IDLE.contains(&word) || is_setting {
             self.notes.add(line, format!("{word} is left aside"));
             while !self.source.comes(LINE_END) {
                 self.source.skip_one(LINE_END)?;
             }
             return Ok(());
         }
-        let moves = matches!(word, "movej" | "movel" | "movep" | "movec");
-        let known = matches!(word, "set_tcp" | "set_payload" | "set_target_payload");
-        if !(moves || known || OUTPUTS.contains(&word)) {
+        if !(moves || known) {
             return Err(self.source.unexpected(WANTED));
         }
         let given = arguments(&mut self.source, &self.variables, 0)?;
         let done = match word {
             _ if moves => self.motion(word, &given, line),
-            _ if known => self.setting(&given, line),
-            _ => self.switch(&given, line),
+            _ if OUTPUTS.contains(&word) => self.switch(&given, line),
+            _ => self.setting(&given, line),
         };
         done.map_err(|kind| self.source.error(line, kind))
     }
@@ -299,8 +306,11 @@ fn sorted<'a>(
             (Some(key), Value::Number(number)) => {
                 numbers.insert(key, *number);
             }
-            (None, Value::Pose(pose) | Value::NearPose(pose)) => {
+            (None, Value::Pose(pose) | Value::NearPose(pose, None)) => {
                 goals.push(Goal::Pose(*pose, None))
+            }
+            (None, Value::NearPose(pose, Some(near))) => {
+                goals.push(Goal::Near(*pose, near.clone()))
             }
             (None, Value::List(joints)) => goals.push(Goal::Joints(joints.clone())),
             _ => {

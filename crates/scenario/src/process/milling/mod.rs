@@ -95,7 +95,11 @@ pub(crate) struct MillingTable {
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "without feed there is no chip"))]
     feed_mm_per_tooth: Option<f64>,
     /// Depth of cut along the tool axis.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cut has a depth"))]
+    #[schemars(extend(
+        "exclusiveMinimum" = 0.0,
+        "maximum" = 1e3,
+        "x-rule" = "a cut has a depth, no more than a metre"
+    ))]
     axial_depth_mm: f64,
     /// Where teeth meet material.
     engagement: EngagementName,

@@ -5,7 +5,7 @@ use super::{BrushSetup, Station};
 use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::{Isometry3, Vector3};
-use truecut_recording::{Field, Profile, Unit};
+use truecut_recording::{Field, Outcome, Profile, Unit};
 
 /// Half the width at which an edge is drawn, m, and its height over the faces.
 const DRAWN_HALF_M: f64 = 2e-3;
@@ -25,10 +25,13 @@ pub(super) struct Watch {
     largest_n: f64,
     shortening_m: f64,
     work_j: f64,
+    /// Since the start, s.
+    time_s: f64,
 }
 
 impl Watch {
     pub fn step(&mut self, contact: &BrushContact, dt_s: f64) {
+        self.time_s += dt_s;
         if contact.bristle_n > 0.0 {
             self.contact_s += dt_s;
         }
@@ -105,8 +108,46 @@ pub(super) fn findings(setup: &BrushSetup, dose_j_per_m2: &[f64], watch: &Watch)
     Findings {
         scalars: quantity::scalars(quantities),
         profiles: profiles.collect(),
+        beyond: too_round(setup, dose_j_per_m2, watch),
+        idle: never_touches(watch),
         ..Findings::default()
     }
+}
+
+/// The edges stay where they were: what is taken off is not taken off under the brush. That
+/// holds while the middle of the rounding, `r (1 / sin(α/2) − 1)` behind an edge of the wedge α,
+/// lies less deep than the bristles press in.
+fn too_round(setup: &BrushSetup, dose_j_per_m2: &[f64], watch: &Watch) -> Option<Outcome> {
+    let stations = setup.stations.iter().zip(dose_j_per_m2);
+    let recess_m = stations.map(|(station, dose)| {
+        let wear = &station.wear;
+        wear.radius_m(*dose) * (1.0 / (0.5 * wear.wedge_rad).sin() - 1.0)
+    });
+    let value = recess_m.fold(0.0, f64::max);
+    let limit = watch.shortening_m;
+    (value > limit).then(|| Outcome::BeyondModel {
+        quantity: "the largest depth of an edge's rounding behind the edge (m)".to_owned(),
+        value,
+        limit,
+        rule: "the bristles would no longer touch what is left, but the edge keeps its form under them; check \
+               process.brush.preston_per_pa"
+            .to_owned(),
+    })
+}
+
+/// Most of the time that a brush may be clear of its workpiece.
+const MOST_CLEAR: f64 = 0.9999;
+
+/// A brush that is led past its workpiece brushes nothing.
+fn never_touches(watch: &Watch) -> Option<Outcome> {
+    let value = 1.0 - watch.contact_s / watch.time_s;
+    (value > MOST_CLEAR).then(|| Outcome::BeyondModel {
+        quantity: "the part of the time in which the brush is clear of the workpiece".to_owned(),
+        value,
+        limit: MOST_CLEAR,
+        rule: "nothing is brushed; check the taught postures or the path, and where the workpiece stands"
+            .to_owned(),
+    })
 }
 
 /// How the brush pressed.
