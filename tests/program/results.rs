@@ -230,7 +230,8 @@ fn a_row_interval_that_is_no_multiple_of_the_step_is_told() {
     );
 }
 
-/// Poses are read in metres: one at 700 m is asked about, one out of reach is not.
+/// Poses are read in metres: of one at 700 m the units are told, of one that is near but has no
+/// posture they are not.
 #[test]
 fn poses_in_millimetres_are_asked_about() {
     let desk = Desk::new();
@@ -238,12 +239,12 @@ fn poses_in_millimetres_are_asked_about() {
         env!("CARGO_MANIFEST_DIR"),
         "/../../assets/robots/hp20/robot.urdf"
     );
-    for (pose, is_asked) in [("700,0,900,0,3.14,0", true), ("7,0,0.9,0,3.14,0", false)] {
+    for (pose, is_asked) in [("700,0,900,0,3.14,0", true), ("0.1,0,0.1,0,3.14,0", false)] {
         let output = desk.truecut(&["robot", urdf, &format!("--ik={pose}")]);
         let told = String::from_utf8(output.stderr).unwrap();
         assert!(told.contains("have no posture within limits"), "{told}");
         assert_eq!(
-            told.contains("is this one in millimetres?"),
+            told.contains("poses are read in m and rad"),
             is_asked,
             "{told}"
         );

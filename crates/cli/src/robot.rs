@@ -81,9 +81,6 @@ fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failu
     crate::print(&report.to_text())
 }
 
-/// No pose of an arm is further from the world's origin, track included.
-const FURTHEST_M: f64 = 50.0;
-
 /// The postures for a pose on the command line, or for those of a file.
 fn print_postures(
     robot: &Robot,
@@ -112,12 +109,8 @@ fn print_postures(
         None => ExitStatus::Good,
         Some(first) => {
             let place = poses[first - 1].translation.vector;
-            let hint = match place.norm() > FURTHEST_M {
-                true => ": poses are read in metres and radians, is this one in millimetres?",
-                false => "",
-            };
             eprintln!(
-                "note: {} of {} poses have no posture within limits, the first of them pose {first}, at ({}, {}, {}) m{hint}",
+                "note: {} of {} poses have no posture within limits, the first of them pose {first}, at ({}, {}, {}) m",
                 missed.len(),
                 poses.len(),
                 significant(place.x, 4),
