@@ -140,6 +140,47 @@ fn asked(pair: &Between) -> Answer {
     changes(pair, &Options::default(), &|_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// Another set-up of the second recording is told as one of the first is, and both where both have
+/// it; nothing is named then.
+#[test]
+fn the_set_up_of_either_recording_is_told() {
+    let [first, second] = [PLAIN.name, "second.csv"];
+    for (fast, phase) in [
+        ([false, true], 0.0),
+        ([true, true], 0.0),
+        ([false, true], 1.3),
+    ] {
+        let speed = fast.map(|fast| if fast { 2.0 } else { 1.0 });
+        let pair = pair_of(
+            &scenario(10.0),
+            &Made {
+                speed: speed[0],
+                ..PLAIN
+            },
+            &Made {
+                name: second,
+                seed: 2,
+                phase,
+                speed: speed[1],
+                ..PLAIN
+            },
+        );
+        let found = asked(&pair).changes;
+        let told = format!("{} {}", found.reason, found.doubts.join(" "));
+        for (name, fast) in [first, second].iter().zip(fast) {
+            let words = format!("{name}: Look at the set-up first");
+            assert_eq!(told.contains(&words), fast, "{name} {phase}: {told}");
+        }
+        assert!(
+            told.contains("2 times as fast as") && found.changes.is_empty(),
+            "{told}"
+        );
+        if fast[0] != fast[1] {
+            assert_eq!(found.verdict, Verdict::UnknownChange, "{told}");
+        }
+    }
+}
+
 /// All searches share what they may do, and the progress is that of all.
 #[test]
 fn searches_share_their_simulations() {
@@ -177,6 +218,51 @@ fn searches_share_their_simulations() {
             seen.last()
                 .is_some_and(|last| *last <= found.changes.work.predictions)
         );
+    }
+}
+
+/// What both share has the size that fits both: that with which both scenarios are written.
+#[test]
+fn what_is_shared_is_fitted_to_both() {
+    let truth = 2.0;
+    for (seed, phase) in [(1, 0.0), (3, 0.0), (5, 1.3), (7, 0.6)] {
+        let pair = pair_of(
+            &scenario(10.0),
+            &Made {
+                seed,
+                effects: &[friction(truth)],
+                ..PLAIN
+            },
+            &Made {
+                name: "second.csv",
+                seed: seed + 1,
+                phase,
+                effects: &[friction(truth)],
+                ..PLAIN
+            },
+        );
+        assert_eq!(pair.repeats(), phase == 0.0);
+        let answer = asked(&pair);
+        let [cause] = &answer.changes.shared[..] else {
+            panic!("{:?}", answer.changes)
+        };
+        let told = &cause.parameters["friction_n_m"];
+        assert_eq!(answer.before, [friction(told.value)], "{seed}");
+        assert_eq!(answer.after, answer.before, "{seed}");
+        let error = (told.high.unwrap() - told.low.unwrap()) / (2.0 * 1.96);
+        assert!((told.value - truth).abs() < 3.5 * error, "{seed}: {told:?}");
+        // One recording alone knows it less well.
+        let quiet = |_: Progress| {};
+        let alone = crate::diagnose::diagnose(
+            &pair.first,
+            &pair.first.observation,
+            &Options::default(),
+            &quiet,
+        );
+        let alone = alone.unwrap().diagnosis;
+        let one = &alone.causes[0].parameters["friction_n_m"];
+        let error_alone = (one.high.unwrap() - one.low.unwrap()) / (2.0 * 1.96);
+        assert!(error < 0.9 * error_alone, "{seed}: {error} {error_alone}");
     }
 }
 
