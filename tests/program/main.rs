@@ -12,6 +12,7 @@ mod fit;
 mod identify;
 mod kept;
 mod maps;
+mod milled;
 mod path;
 mod same;
 mod signals;

@@ -7,6 +7,7 @@ use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::TAU;
+use truecut_core::cutting::milling::layered::outline::Facing;
 use truecut_core::cutting::milling::layered::stock::LayeredStock;
 use truecut_core::cutting::milling::layered::walls::{Side, Station};
 use truecut_recording::{Field, PartMesh, Profile, Scalar, Unit};
@@ -275,23 +276,16 @@ fn part(milling: &PathMilling) -> PartMesh {
     let (stock, target) = (milling.cut.stock(), &milling.setup.meant.target);
     let floors = floor_left_m(milling);
     let mut part = PartMesh::default();
-    for triangle in stock.triangles_m() {
-        let level = triangle.iter().all(|corner| corner.z == triangle[0].z);
-        let heights = triangle.map(|corner| corner.z);
-        let middle_m = 0.5
-            * (heights.iter().fold(f64::INFINITY, |a, b| a.min(*b))
-                + heights.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)));
-        let layer = (target.layers()).partition_point(|one| one.top_m <= middle_m);
-        let [from, along] = [triangle[1] - triangle[0], triangle[2] - triangle[0]];
-        let is_under = level && from.cross(&along).z < 0.0;
-        let left = triangle.map(|corner| match level {
+    for triangle in stock.surface() {
+        let left = triangle.corners_m.map(|corner| match triangle.facing {
             // The block's underside has no target.
-            true if is_under => f64::NAN,
-            true => floors[nearest(stock, &corner)],
-            false => wall_left_m(target, layer, &corner),
+            Facing::Under => f64::NAN,
+            Facing::Floor => floors[nearest(stock, &corner)],
+            Facing::Wall { layer } => wall_left_m(target, layer, &corner),
         });
+        let corners = triangle.corners_m;
         part.triangles_m
-            .push(triangle.map(|corner| [corner.x, corner.y, corner.z].map(|x| x as f32)));
+            .push(corners.map(|corner| [corner.x, corner.y, corner.z].map(|x| x as f32)));
         part.left_m.push(left.map(|left| left as f32));
     }
     part

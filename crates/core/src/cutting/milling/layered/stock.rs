@@ -88,6 +88,11 @@ impl Layer {
     pub(super) fn values(&self) -> &[f64] {
         &self.beyond_m
     }
+
+    #[cfg(test)]
+    pub(super) fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.beyond_m
+    }
 }
 
 /// A part of the way of a tooth's tip: an arc about an axis that moves.
@@ -210,6 +215,11 @@ impl LayeredStock {
 
     pub fn layers(&self) -> &[Layer] {
         &self.layers
+    }
+
+    #[cfg(test)]
+    pub(super) fn layers_mut(&mut self) -> &mut [Layer] {
+        &mut self.layers
     }
 
     pub fn place(&self, node: usize) -> Vector2<f64> {

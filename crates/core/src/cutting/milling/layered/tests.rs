@@ -10,6 +10,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+mod solid;
 mod straight;
 
 const BLOCK: Block = Block {
@@ -276,14 +277,7 @@ fn verify_removed_volume_of_a_ring() {
             (removed_m3 / exact_m3 - 1.0).abs() < 5e-3,
             "{removed_m3} {exact_m3}"
         );
-        let closed: Vector3<f64> = (cut.stock().triangles_m().iter())
-            .map(|t| (t[1] - t[0]).cross(&(t[2] - t[0])))
-            .sum();
-        assert!(closed.norm() < 1e-12, "{closed}");
-        let mesh_m3: f64 = (cut.stock().triangles_m().iter())
-            .map(|t| t[0].dot(&t[1].cross(&t[2])) / 6.0)
-            .sum();
-        assert!((mesh_m3 / cut.stock().volume_m3() - 1.0).abs() < 1e-9);
+        solid::check(cut.stock());
     }
 }
 
