@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use truecut_recording::Summary;
+use truecut_telemetry::read_parquet;
 
 use super::Desk;
 
@@ -31,8 +32,16 @@ fn asset(path: &str) -> String {
     path.canonicalize().unwrap().display().to_string()
 }
 
-fn mill(desk: &Desk) {
-    std::fs::write(desk.path("way.nc"), WAY).unwrap();
+/// Mills the plate along a path; what the run comes to.
+fn mill(desk: &Desk, name: &str, way: &str, cutter: &str) -> Summary {
+    write(desk, name, way, cutter);
+    desk.ends(0, &["run", &format!("{name}.toml")]);
+    summary(desk, name)
+}
+
+/// The plate, a path and further keys of the cutter.
+fn write(desk: &Desk, name: &str, way: &str, cutter: &str) {
+    std::fs::write(desk.path("way.nc"), way).unwrap();
     let scenario = format!(
         r#"
 name = "Milled plate"
@@ -45,6 +54,7 @@ spindle_rpm = 12000
 diameter_mm = 12
 teeth = 2
 helix_deg = 30
+{cutter}
 [process.path_milling.cutting]
 tangential_mpa = 600
 radial_mpa = 200
@@ -60,8 +70,25 @@ grid_mm = 0.5
         asset("assets/robots/irb6600_175_255/robot.urdf"),
         asset("assets/robots/irb6600_175_255/milling.toml"),
     );
-    std::fs::write(desk.path("plate.toml"), scenario).unwrap();
-    desk.ends(0, &["run", "plate.toml"]);
+    std::fs::write(desk.path(&format!("{name}.toml")), scenario).unwrap();
+}
+
+fn summary(desk: &Desk, name: &str) -> Summary {
+    let path = desk.path(&format!("out/{name}/summary.json"));
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Counts of all defects that `truecut part` finds, and the part.
+fn part_without_defects(desk: &Desk, name: &str) -> Value {
+    let told = desk.ends(0, &["part", &format!("out/{name}/part.stl"), "--json"]);
+    let part: Value = serde_json::from_str(&told).unwrap();
+    let defects = part["defects"].as_object().unwrap();
+    assert!(defects.len() > 8, "{defects:?}");
+    for (name, defect) in defects {
+        let none = defect == &Value::Bool(false) || defect["count"] == 0;
+        assert!(none, "{name}: {defect}");
+    }
+    part
 }
 
 /// Points on the upper edge of the side that is milled off, as the tool has left it.
@@ -83,17 +110,8 @@ fn upper_edge_mm(stl: &Path) -> Vec<[f32; 3]> {
 #[test]
 fn a_milled_part_is_a_solid_that_can_be_brushed() {
     let desk = Desk::new();
-    mill(&desk);
-    let told = desk.ends(0, &["part", "out/plate/part.stl", "--json"]);
-    let part: Value = serde_json::from_str(&told).unwrap();
-    let defects = part["defects"].as_object().unwrap();
-    assert!(defects.len() > 8, "{defects:?}");
-    for (name, defect) in defects {
-        let none = defect == &Value::Bool(false) || defect["count"] == 0;
-        assert!(none, "{name}: {defect}");
-    }
-    let summary = std::fs::read_to_string(desk.path("out/plate/summary.json")).unwrap();
-    let summary: Summary = serde_json::from_str(&summary).unwrap();
+    let summary = mill(&desk, "plate", WAY, "");
+    let part = part_without_defects(&desk, "plate");
     let removed_m3 = summary.metrics["path_milling.stock_removed"].unwrap();
     let left_m3 = 60.0 * 30.0 * 5.0 * 1e-9 - removed_m3;
     let volume_m3 = part["volume_m3"].as_f64().unwrap();
@@ -138,7 +156,39 @@ burr_thickness_mm = 0.05
     );
     std::fs::write(desk.path("brushed.toml"), scenario).unwrap();
     desk.ends(0, &["run", "brushed.toml"]);
-    let summary = std::fs::read_to_string(desk.path("out/brushed/summary.json")).unwrap();
-    let summary: Summary = serde_json::from_str(&summary).unwrap();
+    let summary = self::summary(&desk, "brushed");
     assert_eq!(summary.metrics["brush.burred_length"], Some(0.0));
+}
+
+/// Down into full stock at 10 mm/s, 0.025 mm a tooth, and up again: thrust and torque of two ends
+/// in the share that the tool sinks slower, and a round hole.
+#[test]
+fn a_plunge_has_the_thrust_of_its_ends() {
+    let desk = Desk::new();
+    let way = "%\nG21 G90 G94 G17\nG0 X30. Y15. Z1.\nG61\nG1 Z-3. F600.\nG0 Z5.\nM30\n%\n";
+    let summary = mill(&desk, "plunge", way, "centre_cutting = true");
+    let found = |name: &str| summary.metrics[&format!("path_milling.{name}")].unwrap();
+    let (radius_m, chip_m) = (6e-3_f64, 25e-6);
+    let thrust_n = 2.0 * 200e6 * chip_m * radius_m;
+    let torque_n_m = 600e6 * chip_m * radius_m * radius_m;
+    let hole_m3 = std::f64::consts::PI * radius_m * radius_m * 3e-3;
+    let near = |found: f64, expected: f64, by: f64| {
+        assert!((found / expected - 1.0).abs() < by, "{found} {expected}");
+    };
+    // The arm swings as the cut begins, and the path slows down at its end: forces follow.
+    let rows = read_parquet(&desk.path("out/plunge/recording.parquet")).unwrap();
+    let heights = rows.channel("path_milling.position_z").unwrap();
+    let first = heights.iter().position(|z_m| *z_m < -1e-3).unwrap();
+    let end = heights.iter().position(|z_m| *z_m < -2.7e-3).unwrap();
+    let sunk_m = heights[first] - heights[end];
+    let share = sunk_m / (rows.time_s[end] - rows.time_s[first]) / 10e-3;
+    let mean = |name: &str| {
+        let values = &rows.channel(name).unwrap()[first..end];
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    near(mean("path_milling.force_z"), share * thrust_n, 0.02);
+    near(mean("path_milling.torque"), share * torque_n_m, 0.02);
+    near(found("stock_removed"), hole_m3, 0.01);
+    near(found("chip_volume"), hole_m3, 0.02);
+    part_without_defects(&desk, "plunge");
 }

@@ -100,7 +100,7 @@ impl PathMillingSpec {
     }
 }
 
-/// Milling of stock along a path from a file, at constant depths.
+/// Milling of stock along a path from a file.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PathMillingTable {

@@ -22,10 +22,12 @@ pub struct Cutter {
     pub helix_angle_rad: f64,
     pub runout: Runout,
     pub flank: Flank,
+    /// Whether the ends of its teeth cut, from the axis to the rim.
+    pub centre_cutting: bool,
 }
 
 impl Cutter {
-    /// A sharp cutter without helix and runout.
+    /// A sharp cutter without helix and runout, whose ends do not cut.
     pub fn straight(radius_m: f64, teeth: usize) -> Self {
         Self {
             radius_m,
@@ -33,6 +35,7 @@ impl Cutter {
             helix_angle_rad: 0.0,
             runout: Runout::default(),
             flank: Flank::default(),
+            centre_cutting: false,
         }
     }
 

@@ -28,7 +28,7 @@
 //! | [`memory`] | where the tool stood when earlier teeth passed: the surface they left |
 //! | [`cut`] | forces of a vibrating tool against that surface |
 //! | [`dexel`] | the finished walls and floor as dexels |
-//! | [`layered`] | a cut along any path at constant depths in a body of stock |
+//! | [`layered`] | a cut along any path in a body of stock |
 //! | [`finish`] | surface location error, roughness, chatter marks |
 
 pub mod cut;

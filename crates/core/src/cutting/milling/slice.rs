@@ -67,4 +67,25 @@ impl MillingLoads {
         self.removal_m3_per_rad += area * (reach - 0.5 * slice.chip_m + slice.along_m_per_rad);
         self.thickest_chip_m = self.thickest_chip_m.max(slice.chip_m);
     }
+
+    /// Adds a piece of the end of a tooth: on a radius, with a length along it, m. The coefficients
+    /// are those of an edge across the spindle.
+    pub(super) fn add_end(
+        &mut self,
+        coefficients: &CuttingCoefficients,
+        angle_rad: f64,
+        [radius_m, length_m]: [f64; 2],
+        chip_m: f64,
+    ) {
+        let area = chip_m * length_m;
+        let sizes = coefficients.forces_n(area, length_m);
+        let force = on_tool_n(angle_rad, sizes.tangential_n, sizes.radial_n, sizes.axial_n);
+        let (sin, cos) = angle_rad.sin_cos();
+        let arm = Vector3::new(radius_m * sin, radius_m * cos, 0.0);
+        self.force_on_tool_n += force;
+        self.moment_on_tool_n_m += arm.cross(&force);
+        self.chip_area_m2 += area;
+        self.removal_m3_per_rad += area * radius_m;
+        self.thickest_chip_m = self.thickest_chip_m.max(chip_m);
+    }
 }

@@ -51,6 +51,9 @@ pub(in crate::process) struct CutterTable {
     /// force coefficients.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "0 is a sharp edge"))]
     wear_land_mm: Option<f64>,
+    /// Whether the teeth's ends cut from the axis to the rim, so that the cutter can plunge and ramp
+    /// along a path in stock. Default: false.
+    centre_cutting: Option<bool>,
     /// Modes of cutter, holder and spindle at the tip, the flange held. Default: they are rigid.
     #[schemars(extend("maxItems" = 6, "x-rule" = "a tool has at most 6 modes here"))]
     mode: Option<Vec<ModeTable>>,
@@ -91,6 +94,7 @@ impl CutterTable {
                 angle_rad: from_deg(self.runout_angle_deg.unwrap_or(0.0)),
             },
             flank: Flank::default(),
+            centre_cutting: self.centre_cutting.unwrap_or(false),
         };
         let list = format!("{table}.mode");
         let modes = modes::resolve(self.mode.unwrap_or_default(), &list, check);

@@ -152,6 +152,8 @@ impl MillingTable {
     /// `None` after recording a fault.
     pub(crate) fn resolve(self, folder: &Path, check: &mut Check) -> Option<MillingSpec> {
         let own_wear_land_m = self.cutter.wear_land_m();
+        let because = "a straight cut does not sink";
+        check.ignored("process.milling.cutter", &["centre_cutting"], because);
         let (mut cutter, (tool, over_speed)) = self.cutter.resolve("process.milling.cutter", check);
         let attached = AttachedModes {
             tool,

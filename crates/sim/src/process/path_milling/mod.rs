@@ -1,4 +1,4 @@
-//! Milling of stock along a path from a file, at constant depths.
+//! Milling of stock along a path from a file.
 //!
 //! The cut itself is [`LayeredCut`], in the path's work frame; this process moves it: the place of
 //! the tip is the arm's tool point with the modes of tool and workpiece, the force is averaged over
@@ -30,6 +30,9 @@ use truecut_core::cutting::milling::layered::way::{Leg, Meant};
 use truecut_plan::cam::SpindleAtCuts;
 use truecut_recording::{ChannelSpec, Field, Outcome};
 use truecut_scenario::{PathMillingSpec, SpindleSpec};
+
+/// A path that sinks by no more than this part of its way is level.
+const LEVEL: f64 = 1e-3;
 
 /// All that a pass is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,6 +161,7 @@ impl PathMilling {
             rotation_rad: self.rotation_rad(time_s + ahead_s),
             place_m: on.place_m + off.deflection_m + off.rate_m_per_s * ahead_s,
             vibration_m_per_rad: off.rate_m_per_s / spindle_rad_s,
+            sinks: -on.velocity_m_per_s.z > LEVEL * on.velocity_m_per_s.norm(),
         }
     }
 

@@ -256,6 +256,7 @@ fn spread(findings: &mut Findings, name: &str, of: &str, left_m: &[f64]) {
 /// Material left on floors by node; not a number where there is none, or no tooth has been.
 fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
     let target = &milling.setup.meant.target;
+    let sloped = milling.setup.meant.floor_m.as_ref();
     let floors = milling.cut.floor_m().iter().enumerate();
     let left = floors.map(|(node, floor_m)| {
         let place = target.place(node);
@@ -264,7 +265,9 @@ fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
             .find(|layer| target.beyond_m(*layer, &place) < -target.grid_m());
         let bottom_m = cut.map(|layer| target.layers()[layer].bottom_m);
         match bottom_m.filter(|bottom| *bottom > target.block.least_m.z) {
-            Some(bottom_m) if floor_m.is_finite() => floor_m - bottom_m,
+            Some(bottom_m) if floor_m.is_finite() => {
+                floor_m - sloped.map_or(bottom_m, |floor_m| floor_m[node])
+            }
             _ => f64::NAN,
         }
     });
@@ -280,7 +283,7 @@ fn part(milling: &PathMilling) -> PartMesh {
         let left = triangle.corners_m.map(|corner| match triangle.facing {
             // The block's underside has no target.
             Facing::Under => f64::NAN,
-            Facing::Floor => floors[nearest(stock, &corner)],
+            Facing::Floor => floors[stock.nearest(&corner.xy())],
             Facing::Wall { layer } => wall_left_m(target, layer, &corner),
         });
         let corners = triangle.corners_m;
@@ -289,18 +292,6 @@ fn part(milling: &PathMilling) -> PartMesh {
         part.left_m.push(left.map(|left| left as f32));
     }
     part
-}
-
-/// The node nearest to a place.
-fn nearest(stock: &LayeredStock, place_m: &Vector3<f64>) -> usize {
-    let [columns, rows] = stock.nodes();
-    let size = (stock.block.most_m - stock.block.least_m).xy();
-    let at = (place_m - stock.block.least_m).xy().component_div(&size);
-    let index = |share: f64, count: usize| {
-        let at = (share * (count - 1) as f64).round().max(0.0) as usize;
-        at.min(count - 1)
-    };
-    index(at.x, columns) + columns * index(at.y, rows)
 }
 
 /// A corner so near to the block's face lies on it, m.

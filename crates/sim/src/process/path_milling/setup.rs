@@ -41,14 +41,27 @@ pub(crate) fn setup(
     check_feed(spec, way, &course)?;
     let legs = legs(spec, way, robot)?;
     let radius_m = spec.cutter.radius_m;
-    let meant = follow(&legs, spec.block, &spec.holes, radius_m, spec.grid_m).map_err(|fault| {
+    let ends_cut = spec.cutter.centre_cutting;
+    let followed = follow(
+        &legs,
+        spec.block,
+        &spec.holes,
+        radius_m,
+        spec.grid_m,
+        ends_cut,
+    );
+    let meant = followed.map_err(|fault| {
         let point = fault.point().and_then(|point| way.points.get(point));
         at_point(spec, point, &fault.to_string())
     })?;
     let from = context.departure(&motion);
     let work_from_world = way.world_from_work.inverse();
     let nominal = NominalPath::new(robot, &motion.knots, KNOT_INTERVAL_S, &work_from_world);
-    if let Some(sinking) = nominal.sinks_into(&meant.stock, radius_m) {
+    let sinks = match ends_cut {
+        true => None,
+        false => nominal.sinks_into(&meant.stock, radius_m),
+    };
+    if let Some(sinking) = sinks {
         let near = (way.points.iter()).min_by(|a, b| {
             let off = |one: &WayPoint| (one.work_from_tool.translation.vector - sinking).norm();
             off(a).total_cmp(&off(b))

@@ -30,6 +30,9 @@ pub struct ToolPlace {
     pub place_m: Vector3<f64>,
     /// Its vibration's change with rotation, m/rad; only a worn flank asks for it.
     pub vibration_m_per_rad: Vector3<f64>,
+    /// Whether the path leads down there, so that ends cut. On a level path they, being ground
+    /// hollow, stand clear of the floor but for their corners.
+    pub sinks: bool,
 }
 
 /// A cut on any path.
@@ -41,6 +44,8 @@ pub struct LayeredCut {
     pub(super) walls: Walls,
     /// Lowest place of the tip over each node, m.
     pub(super) floor_m: Vec<f64>,
+    /// Which nodes are no holes at the start.
+    pub(super) is_solid: Vec<bool>,
     pub(super) trace: Trace,
     /// Fastest motion of the axis in the stretch of memory now filled and in the one before, m/rad.
     fastest_m_per_rad: [f64; 2],
@@ -50,9 +55,9 @@ pub struct LayeredCut {
 }
 
 /// What all teeth share of a state.
-struct Passes {
+pub(super) struct Passes {
     /// Rotation and place of the axis so many pitches before.
-    earlier: Vec<(f64, Vector3<f64>)>,
+    pub(super) earlier: Vec<(f64, Vector3<f64>)>,
     speed_m_per_rad: f64,
 }
 
@@ -73,6 +78,11 @@ impl LayeredCut {
             cutter,
             coefficients,
             floor_m: vec![f64::INFINITY; nodes[0] * nodes[1]],
+            is_solid: stock.layers()[0]
+                .values()
+                .iter()
+                .map(|beyond_m| *beyond_m > 0.0)
+                .collect(),
             stock,
             walls,
             trace: Trace::new(span_rad, start_m),
@@ -111,7 +121,17 @@ impl LayeredCut {
         let passes = self.passes(at);
         let feed_m_per_rad = (at.place_m - passes.earlier[0].1).xy() / cutter.pitch_rad();
         let mut in_cut = vec![false; cutter.teeth];
+        let mut ends_m = f64::NEG_INFINITY;
+        if self.ends_cut(at) {
+            // Up to where the tooth before stood it is they that cut.
+            ends_m = passes.earlier[0].1.z;
+            self.add_ends(&mut loads, at, &passes, &mut in_cut);
+        }
         for (layer, [low_m, high_m]) in self.engaged(at.place_m.z) {
+            let low_m = low_m.max(ends_m);
+            if low_m >= high_m {
+                continue;
+            }
             let lag = cutter.lag_rad_per_m();
             let count = ((lag.abs() * (high_m - low_m) / SLICE_LAG_RAD).ceil() as usize).max(1);
             let thick_m = (high_m - low_m) / count as f64;
@@ -214,21 +234,8 @@ impl LayeredCut {
         })
     }
 
-    /// Layers that an edge reaches, from the lowest, with the heights between which it does.
     pub(super) fn engaged(&self, tip_m: f64) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
-        let layers = self.stock.layers();
-        let belongs = layers.partition_point(|one| one.top_m <= tip_m);
-        // A tool sunk by little is deeper in the layer above.
-        let next = layers.get(belongs + 1);
-        let above = next.is_some_and(|one| tip_m > one.bottom_m - one.sunk_m());
-        let first = belongs + usize::from(above);
-        (first..layers.len()).map(move |layer| {
-            let low_m = match layer == first {
-                true => tip_m.max(layers[0].bottom_m),
-                false => layers[layer].bottom_m,
-            };
-            (layer, [low_m, layers[layer].top_m])
-        })
+        self.stock.engaged(tip_m)
     }
 
     fn passes(&self, at: &ToolPlace) -> Passes {

@@ -1,4 +1,4 @@
-//! A flat end mill on any path at constant depths in a body of stock.
+//! A flat end mill on any path in a body of stock, its axis along z.
 //!
 //! The stock is a block in layers between the depths of the path. Each layer holds, at the nodes of
 //! a plane grid, how far the node lies beyond what teeth have cut: the distance from the nearest
@@ -15,12 +15,17 @@
 //! | [`stock`] | block, layers, cutting by arcs and by legs of a path |
 //! | [`way`] | the path as written: depths, what it must not do, the walls that it means |
 //! | [`cut`] | forces of a vibrating tool, where its rim is in stock |
+//! | `ends` | forces of the ends of teeth on plunges and ramps |
+//! | `sinking` | legs on which the depth changes: their layers and floors |
 //! | [`walls`] | rays on which walls are measured |
 //! | [`outline`] | areas, volume, mesh |
 
+mod arc;
 pub mod cut;
+mod ends;
 mod immersion;
 pub mod outline;
+mod sinking;
 pub mod stock;
 mod sweep;
 pub mod walls;

@@ -1,5 +1,6 @@
 //! The path of a milling tool as it is written: its depths, what it must not do, what it leaves.
 
+use super::sinking;
 use super::stock::{Block, Hole, LayeredStock};
 use super::walls::{Side, Station};
 use nalgebra::{Vector2, Vector3};
@@ -7,7 +8,7 @@ use nalgebra::{Vector2, Vector3};
 /// Heights that differ by no more are one depth, m.
 pub(super) const SAME_DEPTH_M: f64 = 1e-6;
 /// Pieces of a slanted leg that are looked at, each at its lower end.
-const PIECES: usize = 40;
+pub(super) const PIECES: usize = 40;
 /// Grids are no coarser than this part of the cutter's radius.
 pub const COARSEST: f64 = 0.125;
 /// Most nodes of a grid.
@@ -27,7 +28,7 @@ pub struct Leg {
 }
 
 impl Leg {
-    fn is_level(&self) -> bool {
+    pub(super) fn is_level(&self) -> bool {
         (self.to_m.z - self.from_m.z).abs() <= SAME_DEPTH_M
     }
 
@@ -47,8 +48,9 @@ pub enum WayFault {
     )]
     Rapid { point: usize, to_m: Vector3<f64> },
     #[error(
-        "the depth changes by {:.4} mm in the stock; it must not: the ends of the teeth do not cut here, so the cutter \
-         cannot plunge or ramp. Enter from beside the stock, or through a [[process.path_milling.stock.hole]]",
+        "the depth changes by {:.4} mm in the stock; it must not: the ends of the teeth do not cut, so the cutter \
+         cannot plunge or ramp. Enter from beside the stock, or through a [[process.path_milling.stock.hole]]; a cutter \
+         whose teeth cut to its axis has centre_cutting = true",
         drop_m * 1e3
     )]
     Plunge { point: usize, drop_m: f64 },
@@ -87,12 +89,15 @@ pub struct Meant {
     pub target: LayeredStock,
     /// Walls that it leaves.
     pub stations: Vec<Station>,
+    /// Lowest place of the tip over each node, m, infinite where it is not led; only of a path
+    /// that sinks in stock.
+    pub floor_m: Option<Vec<f64>>,
 }
 
 /// Farthest that feed may go on beyond the stock, in diameters.
 const MOST_AIR: f64 = 4.0;
 
-/// Follows a path through a block with a cutter of this radius.
+/// Follows a path through a block with a cutter of this radius, whose ends cut or do not.
 ///
 /// # Errors
 /// The first thing that the cutter cannot do.
@@ -102,8 +107,19 @@ pub fn follow(
     holes: &[Hole],
     radius_m: f64,
     grid_m: f64,
+    ends_cut: bool,
 ) -> Result<Meant, WayFault> {
-    let stock = LayeredStock::new(block, holes, grid_m, &depths_m(legs));
+    let mut depths = depths_m(legs);
+    let mut stock = LayeredStock::new(block, holes, grid_m, &depths);
+    let mut sinks = vec![false; legs.len()];
+    if ends_cut {
+        sinks = sinking::sinking(legs, &mut stock, radius_m);
+        depths.extend(sinking::depths_m(legs, &sinks, &block, &stock));
+        depths.sort_by(f64::total_cmp);
+        depths.dedup_by(|a, b| (*a - *b).abs() <= SAME_DEPTH_M);
+        stock = LayeredStock::new(block, holes, grid_m, &depths);
+    }
+    let piece_m = sinking::piece_m(&stock);
     let mut target = stock.clone();
     let mut cuts = false;
     if let Some(first) = legs.first() {
@@ -112,8 +128,15 @@ pub fn follow(
             return Err(WayFault::StartsInStock);
         }
     }
-    for leg in legs {
+    for (leg, sinks) in legs.iter().zip(&sinks) {
         let way = [leg.from_m, leg.to_m];
+        if *sinks {
+            check_air(leg, &block, radius_m)?;
+            for piece in leg.pieces(piece_m) {
+                cuts |= target.cut_leg(piece, radius_m, false);
+            }
+            continue;
+        }
         if leg.rapid || !leg.is_level() {
             let at = |piece: usize| leg.from_m.lerp(&leg.to_m, piece as f64 / PIECES as f64);
             let pieces = if leg.is_level() { 1 } else { PIECES };
@@ -142,7 +165,10 @@ pub fn follow(
         return Err(WayFault::Misses);
     }
     let stations = stations(legs, &stock, &target, radius_m);
+    let does_sink = sinks.contains(&true);
+    let floor_m = does_sink.then(|| sinking::floor_m(legs, &sinks, &stock, radius_m));
     Ok(Meant {
+        floor_m,
         stock,
         target,
         stations,
