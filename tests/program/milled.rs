@@ -192,3 +192,48 @@ fn a_plunge_has_the_thrust_of_its_ends() {
     near(found("chip_volume"), hole_m3, 0.02);
     part_without_defects(&desk, "plunge");
 }
+
+/// Modes at 1 and 1.04 kHz.
+const MODES: &str = "
+[[process.path_milling.cutter.mode]]
+frequency_hz = 1000
+damping_ratio = 0.03
+stiffness_n_per_um = 10
+direction = [1, 0, 0]
+[[process.path_milling.cutter.mode]]
+frequency_hz = 1040
+damping_ratio = 0.03
+stiffness_n_per_um = 10
+direction = [0, 1, 0]";
+
+/// A slot deeper than its limit chatters; at the speed that is proposed for it the run is quiet.
+#[test]
+fn lobes_along_a_path_propose_a_speed_that_runs_prove() {
+    let desk = Desk::new();
+    let way = "%\nG21 G90 G94 G17\nG0 X-12. Y15. Z-2.\nG61\nG1 X24. F1800.\nG0 Z5.\nM30\n%\n";
+    write(&desk, "slot", way, MODES);
+    let range = ["--rpm", "9000,16000", "--size", "36", "--runs", "2"];
+    desk.ends(0, &[&["lobes", "slot.toml"][..], &range].concat());
+    let read = |name: &str| std::fs::read_to_string(desk.path(&format!("out/slot/{name}")));
+    let told: Value = serde_json::from_str(&read("lobes.json").unwrap()).unwrap();
+    let segment = &told["segments"][0];
+    assert_eq!(segment["line"], 5);
+    let number = |of: &Value, key: &str| of[key].as_f64().unwrap();
+    assert!(number(segment, "margin") < 0.9, "{segment}");
+    assert!(number(segment, "proposed_margin") > 1.1, "{segment}");
+    let runs = told["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 2);
+    assert_eq!(runs[1]["spindle_rad_s"], segment["proposed_rad_s"]);
+    assert_eq!(runs[1]["outcome"], "completed", "{told}");
+    let level = |run: &Value| run["vibration_m"].as_f64().unwrap_or(f64::INFINITY);
+    assert!(
+        level(&runs[0]) > 4.0 * level(&runs[1]),
+        "{:?}",
+        told["runs"]
+    );
+    assert!(read("lobes.svg").unwrap().contains("Path by margin"));
+    desk.refused(
+        &["lobes", "slot.toml", "--at", "3"],
+        &["--at", "all along it"],
+    );
+}
