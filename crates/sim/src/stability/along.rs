@@ -62,7 +62,7 @@ impl PathPlace {
     }
 }
 
-/// A piece of the path: the way to one of its points.
+/// A piece of the path: the way of one line of the file, or to one point of a robot program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathSegment {
     pub line: Option<usize>,
@@ -180,12 +180,15 @@ fn known(place: &CutPlace, limit_m: Option<f64>) -> PathPlace {
     }
 }
 
-/// Places on the way to one point after another.
+/// Places on the way to one point after another; points of one line (of an arc) are together.
 fn pieces(places: &[CutPlace]) -> Vec<std::ops::Range<usize>> {
+    let same = |one: &CutPlace, other: &CutPlace| {
+        one.point == other.point || (one.line.is_some() && one.line == other.line)
+    };
     let mut pieces: Vec<std::ops::Range<usize>> = Vec::new();
     for (index, place) in places.iter().enumerate() {
         match pieces.last_mut() {
-            Some(last) if places[last.start].point == place.point => last.end = index + 1,
+            Some(last) if same(&places[last.start], place) => last.end = index + 1,
             _ => pieces.push(index..index + 1),
         }
     }

@@ -1,7 +1,7 @@
 //! Where along its path a cutter stands in how much stock, teeth at rest: what stability asks.
 
-use super::PathMillingSetup;
 use super::setup::{motion, parameters};
+use super::{LEVEL, PathMillingSetup};
 use crate::error::SimError;
 use crate::motion::KNOT_INTERVAL_S;
 use crate::process::SetupContext;
@@ -73,7 +73,8 @@ impl PathMillingSetup {
             if way_m.norm() < chord_m && knot + 1 < knots.len() {
                 continue;
             }
-            if way_m.xy().norm() > 0.5 * way_m.norm()
+            let is_level = way_m.z.abs() <= LEVEL * way_m.norm() && way_m.norm() > 0.0;
+            if is_level
                 && let Some((engagement, depth_m)) =
                     engaged(&left, &on.place_m, radius_m, &way_m.xy())
             {

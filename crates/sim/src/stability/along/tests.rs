@@ -73,10 +73,8 @@ fn verify_limit_in_a_slot_of_the_path() {
 fn pieces_of_the_path_are_its_lines() {
     let found = path_stability(&pocket(&[]), None, 2, &|_| {}).unwrap();
     let lines: Vec<_> = found.segments.iter().filter_map(|one| one.line).collect();
-    let mut rising = lines.clone();
-    rising.sort_unstable();
-    assert_eq!(lines, rising);
-    assert!(lines.len() >= 5, "{lines:?}");
+    // N60 to N100, the arc of N80 as one.
+    assert_eq!(lines, [8, 9, 10, 11, 12]);
     for pair in found.segments.windows(2) {
         assert!(pair[0].to_m < pair[1].from_m + 1e-9);
     }
