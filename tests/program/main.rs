@@ -15,8 +15,6 @@ mod identify;
 mod kept;
 mod maps;
 mod milled;
-mod new;
-mod parts;
 mod path;
 mod same;
 mod signals;

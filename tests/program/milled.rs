@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 use truecut_recording::Summary;
+use truecut_telemetry::read_parquet;
 
 use super::Desk;
 
@@ -31,8 +32,15 @@ fn asset(path: &str) -> String {
     path.canonicalize().unwrap().display().to_string()
 }
 
-/// Mills the plate along a path, with further keys of the cutter; what the run comes to.
+/// Mills the plate along a path; what the run comes to.
 fn mill(desk: &Desk, name: &str, way: &str, cutter: &str) -> Summary {
+    write(desk, name, way, cutter);
+    desk.ends(0, &["run", &format!("{name}.toml")]);
+    summary(desk, name)
+}
+
+/// The plate, a path and further keys of the cutter.
+fn write(desk: &Desk, name: &str, way: &str, cutter: &str) {
     std::fs::write(desk.path("way.nc"), way).unwrap();
     let scenario = format!(
         r#"
@@ -63,8 +71,6 @@ grid_mm = 0.5
         asset("assets/robots/irb6600_175_255/milling.toml"),
     );
     std::fs::write(desk.path(&format!("{name}.toml")), scenario).unwrap();
-    desk.ends(0, &["run", &format!("{name}.toml")]);
-    summary(desk, name)
 }
 
 fn summary(desk: &Desk, name: &str) -> Summary {
@@ -154,8 +160,8 @@ burr_thickness_mm = 0.05
     assert_eq!(summary.metrics["brush.burred_length"], Some(0.0));
 }
 
-/// Down into full stock at 10 mm/s, 0.025 mm a tooth, and up again: thrust and torque of two ends,
-/// and a round hole.
+/// Down into full stock at 10 mm/s, 0.025 mm a tooth, and up again: thrust and torque of two ends
+/// in the share that the tool sinks slower, and a round hole.
 #[test]
 fn a_plunge_has_the_thrust_of_its_ends() {
     let desk = Desk::new();
@@ -169,10 +175,65 @@ fn a_plunge_has_the_thrust_of_its_ends() {
     let near = |found: f64, expected: f64, by: f64| {
         assert!((found / expected - 1.0).abs() < by, "{found} {expected}");
     };
-    // The arm gives way, and swings as the cut begins.
-    near(found("largest_force"), thrust_n, 0.1);
-    near(found("largest_torque"), torque_n_m, 0.1);
+    // The arm swings as the cut begins, and the path slows down at its end: forces follow.
+    let rows = read_parquet(&desk.path("out/plunge/recording.parquet")).unwrap();
+    let heights = rows.channel("path_milling.position_z").unwrap();
+    let first = heights.iter().position(|z_m| *z_m < -1e-3).unwrap();
+    let end = heights.iter().position(|z_m| *z_m < -2.7e-3).unwrap();
+    let sunk_m = heights[first] - heights[end];
+    let share = sunk_m / (rows.time_s[end] - rows.time_s[first]) / 10e-3;
+    let mean = |name: &str| {
+        let values = &rows.channel(name).unwrap()[first..end];
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    near(mean("path_milling.force_z"), share * thrust_n, 0.02);
+    near(mean("path_milling.torque"), share * torque_n_m, 0.02);
     near(found("stock_removed"), hole_m3, 0.01);
     near(found("chip_volume"), hole_m3, 0.02);
     part_without_defects(&desk, "plunge");
+}
+
+/// Modes at 1 and 1.04 kHz.
+const MODES: &str = "
+[[process.path_milling.cutter.mode]]
+frequency_hz = 1000
+damping_ratio = 0.03
+stiffness_n_per_um = 10
+direction = [1, 0, 0]
+[[process.path_milling.cutter.mode]]
+frequency_hz = 1040
+damping_ratio = 0.03
+stiffness_n_per_um = 10
+direction = [0, 1, 0]";
+
+/// A slot deeper than its limit chatters; at the speed that is proposed for it the run is quiet.
+#[test]
+fn lobes_along_a_path_propose_a_speed_that_runs_prove() {
+    let desk = Desk::new();
+    let way = "%\nG21 G90 G94 G17\nG0 X-12. Y15. Z-2.\nG61\nG1 X24. F1800.\nG0 Z5.\nM30\n%\n";
+    write(&desk, "slot", way, MODES);
+    let range = ["--rpm", "9000,16000", "--size", "36", "--runs", "2"];
+    desk.ends(0, &[&["lobes", "slot.toml"][..], &range].concat());
+    let read = |name: &str| std::fs::read_to_string(desk.path(&format!("out/slot/{name}")));
+    let told: Value = serde_json::from_str(&read("lobes.json").unwrap()).unwrap();
+    let segment = &told["segments"][0];
+    assert_eq!(segment["line"], 5);
+    let number = |of: &Value, key: &str| of[key].as_f64().unwrap();
+    assert!(number(segment, "margin") < 0.9, "{segment}");
+    assert!(number(segment, "proposed_margin") > 1.1, "{segment}");
+    let runs = told["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 2);
+    assert_eq!(runs[1]["spindle_rad_s"], segment["proposed_rad_s"]);
+    assert_eq!(runs[1]["outcome"], "completed", "{told}");
+    let level = |run: &Value| run["vibration_m"].as_f64().unwrap_or(f64::INFINITY);
+    assert!(
+        level(&runs[0]) > 4.0 * level(&runs[1]),
+        "{:?}",
+        told["runs"]
+    );
+    assert!(read("lobes.svg").unwrap().contains("Path by margin"));
+    desk.refused(
+        &["lobes", "slot.toml", "--at", "3"],
+        &["--at", "all along it"],
+    );
 }

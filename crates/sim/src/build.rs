@@ -55,6 +55,26 @@ pub(crate) struct Prepared {
     pub notes: Vec<String>,
 }
 
+/// Something that a process is asked for before any run, with the nominal robot.
+pub(crate) fn in_context<T>(
+    scenario: &Scenario,
+    robots: &Robots,
+    ask: impl FnOnce(&SetupContext<'_>) -> Result<T, SimError>,
+) -> Result<T, SimError> {
+    let nominal = robots.robot(&scenario.robot)?;
+    nominal.refuse_followers(NO_FOLLOWERS)?;
+    let effects = Effects::of(scenario, &nominal)?;
+    let context = SetupContext {
+        scenario,
+        robot: &nominal,
+        robots,
+        kind: drive_kind(&scenario.robot, &nominal)?,
+        effects: &effects,
+        measured: None,
+    };
+    ask(&context)
+}
+
 impl Prepared {
     /// `measured` drives a replay; other processes make no use of it. Robots that have been read
     /// are not read again; the step is chosen for the scheme.

@@ -10,19 +10,20 @@ use super::number::{above_zero, number};
 
 #[derive(Debug, Args)]
 pub struct LobesArguments {
-    /// Scenario file, with [process.milling]
+    /// Scenario file, with [process.milling] or [process.path_milling]
     pub scenario: PathBuf,
-    /// Slowest and fastest spindle speed [default: a tenth of the scenario's, and one and a quarter
-    /// of it]
+    /// Slowest and fastest spindle speed [default: a tenth of the scenario's (along a path a half)
+    /// and one and a quarter of it]
     #[arg(long, value_name = "FROM,TO", value_parser = parse_range)]
     pub rpm: Option<[f64; 2]>,
     /// Deepest cut [default: three times the scenario's, or a fifth more than its limit]
     #[arg(long, value_name = "MM", value_parser = above_zero)]
     pub deepest: Option<f64>,
-    /// How many speeds and depths the diagram has
+    /// How many speeds and depths the diagram has; along a path, how many speeds are looked at
     #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u16).range(2..=1000))]
     pub size: u16,
-    /// How many runs are simulated, just below and just above the limit in turns; 0 for none
+    /// How many runs are simulated, just below and just above the limit in turns; along a path at
+    /// its own speeds and at those proposed; 0 for none
     #[arg(long, value_name = "N", default_value = "12", value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub runs: u16,
     /// Where on the path the arm stands, from its start [default: 0]

@@ -1,5 +1,6 @@
 //! `truecut lobes`: the stability diagram of a milling scenario, with simulated runs.
 
+mod along;
 mod figure;
 mod files;
 mod json;
@@ -11,7 +12,7 @@ use std::f64::consts::TAU;
 use truecut_arm::Robot;
 use truecut_core::chatter::TipMode;
 use truecut_plan::lobes::{LobeRequest, Lobes};
-use truecut_scenario::Scenario;
+use truecut_scenario::{ProcessSpec, Scenario};
 use truecut_sim::stability::{MillingStudy, StabilityRun, in_scenario, stability_runs};
 
 use crate::args::LobesArguments;
@@ -51,6 +52,9 @@ const OWN_DEPTHS: usize = 100;
 /// Computes the diagram, simulates the runs, prints and writes.
 pub fn lobes(arguments: &LobesArguments) -> Result<ExitStatus, Failure> {
     let scenario = &arguments.common.load(&arguments.scenario)?;
+    if let ProcessSpec::PathMilling(_) = &scenario.process {
+        return along::lobes(arguments, scenario);
+    }
     let failed = |error| Failure::sim(scenario, error);
     let study = MillingStudy::of(scenario).map_err(failed)?;
     let posture = posture_at(scenario, arguments.at, &study)?;

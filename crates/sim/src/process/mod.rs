@@ -13,7 +13,7 @@ mod foot;
 mod load;
 mod milling;
 mod modes;
-mod path_milling;
+pub(crate) mod path_milling;
 mod pending_removal;
 mod polish;
 mod quantity;

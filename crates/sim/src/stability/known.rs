@@ -8,7 +8,7 @@ use super::MillingStudy;
 
 /// Regeneration has its fastest lobe where teeth pass at twice a mode's frequency, by doubling of
 /// the period; above that for the fastest mode, all that is left of the modes is their mass.
-const FASTEST_LOBE: f64 = 2.0;
+pub(super) const FASTEST_LOBE: f64 = 2.0;
 
 /// The same of any modes.
 pub(crate) fn beyond_table(modes: &AttachedModes, fastest_rad_s: f64) -> Option<String> {

@@ -4,6 +4,7 @@
 //! The arm is the nominal one with its transmissions, motors standing still; effects of the
 //! scenario act in runs only.
 
+mod along;
 mod damping;
 mod diagram;
 mod draws;
@@ -11,6 +12,7 @@ pub(crate) mod known;
 mod runs;
 mod view;
 
+pub use along::{PathPlace, PathRun, PathSegment, PathStability, path_runs, path_stability};
 pub use damping::OtherDamping;
 pub use draws::Draws;
 pub use runs::{StabilityRun, stability_runs};

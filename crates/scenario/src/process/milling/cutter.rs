@@ -51,8 +51,8 @@ pub(in crate::process) struct CutterTable {
     /// force coefficients.
     #[schemars(extend("minimum" = 0.0, "x-rule" = "0 is a sharp edge"))]
     wear_land_mm: Option<f64>,
-    /// Whether the teeth's ends cut from the axis to the rim, so that the cutter can plunge and ramp
-    /// along a path in stock. Default: false.
+    /// Whether the teeth's ends cut from the axis to the rim, so that the cutter can plunge and
+    /// ramp along a path in stock. Default: false.
     centre_cutting: Option<bool>,
     /// Modes of cutter, holder and spindle at the tip, the flange held. Default: they are rigid.
     #[schemars(extend("maxItems" = 6, "x-rule" = "a tool has at most 6 modes here"))]

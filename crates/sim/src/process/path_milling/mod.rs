@@ -5,6 +5,7 @@
 //! each step, and what is reported is told by place: forces, deflection and vibration along the
 //! path, walls and floor against the path as it is written.
 
+pub(crate) mod along;
 mod kept;
 mod nominal;
 mod peak;
@@ -44,6 +45,8 @@ pub struct PathMillingSetup {
     legs: Vec<Leg>,
     /// Lines of the file that its points come from.
     lines: Vec<Option<usize>>,
+    /// When they are reached, s.
+    reached_s: Vec<f64>,
     /// What the file says of the spindle; `None` of a robot program.
     said: Option<SpindleAtCuts>,
     /// How the spindle turns.

@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 use truecut_core::cutting::milling::layered::outline::Facing;
 use truecut_core::cutting::milling::layered::stock::LayeredStock;
 use truecut_core::cutting::milling::layered::walls::{Side, Station};
+use truecut_core::cutting::milling::layered::way::COARSEST;
 use truecut_recording::{Field, PartMesh, Profile, Scalar, Unit};
 
 /// Most cells along a side of what is drawn.
@@ -260,9 +261,10 @@ fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
     let floors = milling.cut.floor_m().iter().enumerate();
     let left = floors.map(|(node, floor_m)| {
         let place = target.place(node);
-        // Well within what the path takes, the lowest layer that it takes.
-        let cut = (0..target.layers().len())
-            .find(|layer| target.beyond_m(*layer, &place) < -target.grid_m());
+        // Well within what the path takes, whatever the grid, the lowest layer that it takes.
+        let within_m = COARSEST * milling.setup.spec.cutter.radius_m;
+        let cut =
+            (0..target.layers().len()).find(|layer| target.beyond_m(*layer, &place) < -within_m);
         let bottom_m = cut.map(|layer| target.layers()[layer].bottom_m);
         match bottom_m.filter(|bottom| *bottom > target.block.least_m.z) {
             Some(bottom_m) if floor_m.is_finite() => {

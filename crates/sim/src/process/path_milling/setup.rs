@@ -29,11 +29,32 @@ pub(crate) fn setup(
     spec: &PathMillingSpec,
     context: &SetupContext<'_>,
 ) -> Result<ProcessSetup, SimError> {
+    let motion = motion(spec, context)?;
+    let from = context.departure(&motion);
+    let setup = parameters(spec, context, &motion)?;
+    let radius_m = spec.cutter.radius_m;
+    let block = spec.block;
+    let middle_m = 0.5 * (block.least_m + block.most_m);
+    let process_from_block =
+        from.world_from_process.inverse() * setup.world_from_work * Translation3::from(middle_m);
+    let half_m = 0.5 * (block.most_m - block.least_m);
+    let length_m = (block.most_m - block.least_m).z.max(2.0 * radius_m) + 2.0 * radius_m;
+    Ok(ProcessSetup::new(PathMilling::new(setup), from.posture)
+        .holding(Tooling::end_mill(radius_m, length_m))
+        .on(move || vec![shapes::stock(&process_from_block, &half_m)])
+        .led_by(Motion::Planned(motion)))
+}
+
+/// All that a pass is made of, along a motion.
+pub(super) fn parameters(
+    spec: &PathMillingSpec,
+    context: &SetupContext<'_>,
+    motion: &PlannedMotion,
+) -> Result<PathMillingSetup, SimError> {
     let robot = context.robot;
     spec.cutter
         .check()
         .map_err(|error| SimError::scenario("process.path_milling.cutter", error.to_string()))?;
-    let motion = motion(spec, context)?;
     let Target::Way(way) = &motion.target else {
         return Err(SimError::scenario(FILE, "the path is not solved"));
     };
@@ -54,7 +75,7 @@ pub(crate) fn setup(
         let point = fault.point().and_then(|point| way.points.get(point));
         at_point(spec, point, &fault.to_string())
     })?;
-    let from = context.departure(&motion);
+    let from = context.departure(motion);
     let work_from_world = way.world_from_work.inverse();
     let nominal = NominalPath::new(robot, &motion.knots, KNOT_INTERVAL_S, &work_from_world);
     let sinks = match ends_cut {
@@ -83,13 +104,13 @@ pub(crate) fn setup(
         .map(|mode| mode.turned(&tool_axes))
         .collect();
     let process_from_work = from.process_from_world() * way.world_from_work.rotation;
-    let world_from_process = from.world_from_process;
-    let setup = PathMillingSetup {
+    Ok(PathMillingSetup {
         nominal,
         legs,
         said: way.spindle.clone(),
         spindle: course,
         lines: way.points.iter().map(|point| point.line).collect(),
+        reached_s: way.points.iter().map(|point| point.reached_s).collect(),
         meant,
         world_from_work: way.world_from_work,
         process_from_work: process_from_work.to_rotation_matrix(),
@@ -97,21 +118,11 @@ pub(crate) fn setup(
         mode_share: linearised.largest_share(&turned),
         fastest_mode_hz: rates.fold(0.0, f64::max),
         spec: spec.clone(),
-    };
-    let block = spec.block;
-    let middle_m = 0.5 * (block.least_m + block.most_m);
-    let process_from_block =
-        world_from_process.inverse() * way.world_from_work * Translation3::from(middle_m);
-    let half_m = 0.5 * (block.most_m - block.least_m);
-    let length_m = (block.most_m - block.least_m).z.max(2.0 * radius_m) + 2.0 * radius_m;
-    Ok(ProcessSetup::new(PathMilling::new(setup), from.posture)
-        .holding(Tooling::end_mill(radius_m, length_m))
-        .on(move || vec![shapes::stock(&process_from_block, &half_m)])
-        .led_by(Motion::Planned(motion)))
+    })
 }
 
 /// The motion along the path.
-fn motion(
+pub(super) fn motion(
     spec: &PathMillingSpec,
     context: &SetupContext<'_>,
 ) -> Result<Arc<PlannedMotion>, SimError> {

@@ -234,21 +234,8 @@ impl LayeredCut {
         })
     }
 
-    /// Layers that an edge reaches, from the lowest, with the heights between which it does.
     pub(super) fn engaged(&self, tip_m: f64) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
-        let layers = self.stock.layers();
-        let belongs = layers.partition_point(|one| one.top_m <= tip_m);
-        // A tool sunk by little is deeper in the layer above.
-        let next = layers.get(belongs + 1);
-        let above = next.is_some_and(|one| tip_m > one.bottom_m - one.sunk_m());
-        let first = belongs + usize::from(above);
-        (first..layers.len()).map(move |layer| {
-            let low_m = match layer == first {
-                true => tip_m.max(layers[0].bottom_m),
-                false => layers[layer].bottom_m,
-            };
-            (layer, [low_m, layers[layer].top_m])
-        })
+        self.stock.engaged(tip_m)
     }
 
     fn passes(&self, at: &ToolPlace) -> Passes {

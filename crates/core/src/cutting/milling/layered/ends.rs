@@ -1,9 +1,9 @@
 //! Ends of the teeth of a cutter that sinks: edges from the axis to the rim.
 //!
 //! A tooth's end takes what lies between the tip's height and the lowest of the surfaces there: the
-//! heights at which earlier teeth came by, the floor that is older, the block's upper face. What
-//! the tooth before has not stood over is the rim's. The chip is measured along the axis; the force
-//! is that of a straight edge at a right angle to the spindle.
+//! heights at which earlier teeth came by, the floor that is older, the block's upper face. From
+//! the height of the tooth before on upwards it is the rim that cuts. The chip is measured along
+//! the axis; the force is that of a straight edge at a right angle to the spindle.
 
 use super::cut::{LayeredCut, Passes, ToolPlace};
 use crate::cutting::milling::earlier::Ray;
@@ -67,11 +67,9 @@ impl LayeredCut {
         let mut surface_m = self.floor_m[node].min(self.stock.block.most_m.z);
         for (index, (_, then_m)) in passes.earlier.iter().enumerate() {
             let before = (tooth + index + 1) % teeth;
-            let stood_over = (place_m - then_m.xy()).norm() <= self.cutter.tooth_radius_m(before);
-            match stood_over {
-                true => surface_m = surface_m.min(then_m.z),
-                false if index == 0 => return 0.0,
-                false => {}
+            // What the tooth before did not stand over is the rim's from its height on.
+            if index == 0 || (place_m - then_m.xy()).norm() <= self.cutter.tooth_radius_m(before) {
+                surface_m = surface_m.min(then_m.z);
             }
         }
         let chip_m = surface_m - at.place_m.z;

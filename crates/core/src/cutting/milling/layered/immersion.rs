@@ -1,6 +1,7 @@
 //! Where the rim of a tool is in stock.
 
 use super::cut::{LayeredCut, ToolPlace};
+use super::stock::LayeredStock;
 use crate::cutting::milling::earlier::Ray;
 use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -25,11 +26,23 @@ impl LayeredCut {
     /// Where the rim of a tool that is fed along `feed` is in stock at the layer of its tip.
     pub fn immersion(&self, at: &ToolPlace, feed: &Vector2<f64>) -> Option<Immersion> {
         let (layer, _) = self.engaged(at.place_m.z).next()?;
+        (self.stock).immersion(layer, &at.place_m.xy(), self.cutter.radius_m, feed)
+    }
+}
+
+impl LayeredStock {
+    /// Where a rim about an axis that is fed along `feed` is in a layer.
+    pub fn immersion(
+        &self,
+        layer: usize,
+        axis_m: &Vector2<f64>,
+        radius_m: f64,
+        feed: &Vector2<f64>,
+    ) -> Option<Immersion> {
         let left_rad = feed.x.atan2(feed.y) - FRAC_PI_2;
-        let radius_m = self.cutter.radius_m;
         let is_in = |angle: f64| {
-            let place = at.place_m.xy() + radius_m * Ray::at(left_rad + angle).outward;
-            self.stock.is_left(layer, &place)
+            let place = axis_m + radius_m * Ray::at(left_rad + angle).outward;
+            self.is_left(layer, &place)
         };
         let step = PI / LOOKED_AT as f64;
         let mut found: Option<Immersion> = None;

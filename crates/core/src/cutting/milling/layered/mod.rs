@@ -20,6 +20,7 @@
 //! | [`walls`] | rays on which walls are measured |
 //! | [`outline`] | areas, volume, mesh |
 
+mod arc;
 pub mod cut;
 mod ends;
 mod immersion;

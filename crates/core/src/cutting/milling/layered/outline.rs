@@ -260,7 +260,8 @@ impl<'a> Outlines<'a> {
             self.level(surface, &whole, one.bottom_m, Facing::Under);
         }
         for (from, to) in sides(&piece) {
-            if !(from.crosses && to.crosses) && !self.on_face(from.at, to.at) {
+            let stands = (from.crosses && to.crosses) || self.on_face(from.at, to.at);
+            if !stands {
                 continue;
             }
             // On the block's faces the layer above may end on the way.

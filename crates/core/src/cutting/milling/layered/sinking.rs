@@ -17,36 +17,35 @@ impl Leg {
         (self.to_m - self.from_m).xy().norm() <= SAME_DEPTH_M
     }
 
-    /// In pieces that sink by no more than a height.
+    /// In level pieces that stand apart by no more than a height: at the mean of their ends, a
+    /// plunge at its lower end.
     pub(super) fn pieces(&self, height_m: f64) -> impl Iterator<Item = [Vector3<f64>; 2]> + use<> {
         let Self { from_m, to_m, .. } = *self;
-        let count = match self.is_plunge() {
+        let is_plunge = self.is_plunge();
+        let count = match is_plunge {
             true => 1.0,
             false => ((to_m.z - from_m.z).abs() / height_m).ceil().max(1.0),
         };
         let at = move |k: usize| from_m.lerp(&to_m, k as f64 / count);
-        (0..count as usize).map(move |k| [at(k), at(k + 1)])
+        (0..count as usize).map(move |k| {
+            let mut ends = [at(k), at(k + 1)];
+            let [from, to] = ends.map(|end| end.z);
+            let tip_m = match is_plunge {
+                true => from.min(to),
+                false => 0.5 * (from + to),
+            };
+            ends.iter_mut().for_each(|end| end.z = tip_m);
+            ends
+        })
     }
 }
 
-/// Which of the legs change their depth in stock; `left` is what there is at the start.
-pub(super) fn sinking(legs: &[Leg], mut left: LayeredStock, radius_m: f64) -> Vec<bool> {
+/// Which of the legs change their depth in what a whole stock holds.
+pub(super) fn sinking(legs: &[Leg], stock: &mut LayeredStock, radius_m: f64) -> Vec<bool> {
     let each = legs.iter().map(|leg| {
-        if leg.rapid {
-            return false;
-        }
-        if leg.is_level() {
-            left.cut_leg([leg.from_m, leg.to_m], radius_m, false);
-            return false;
-        }
         let height_m = (leg.to_m.z - leg.from_m.z).abs() / PIECES as f64;
-        let touches = (leg.pieces(height_m)).any(|piece| left.cut_leg(piece, radius_m, true));
-        if touches {
-            for piece in leg.pieces(height_m) {
-                left.cut_leg(piece, radius_m, false);
-            }
-        }
-        touches
+        let mut touches = |piece| stock.cut_leg(piece, radius_m, true);
+        !leg.rapid && !leg.is_level() && leg.pieces(height_m).any(&mut touches)
     });
     each.collect()
 }
@@ -104,16 +103,12 @@ pub(super) fn floor_m(
             continue;
         }
         for [from_m, to_m] in leg.pieces(piece_m) {
-            let tip_m = match leg.is_plunge() {
-                true => from_m.z.min(to_m.z),
-                false => 0.5 * (from_m.z + to_m.z),
-            };
             let (from, to) = (from_m.xy(), to_m.xy());
             let reach = Vector2::repeat(radius_m);
             let range = stock.between([from.inf(&to) - reach, from.sup(&to) + reach]);
             for node in stock.each(range) {
                 if off_line(&stock.place(node), &from, &to) <= radius_m {
-                    floor_m[node] = floor_m[node].min(tip_m);
+                    floor_m[node] = floor_m[node].min(from_m.z);
                 }
             }
         }

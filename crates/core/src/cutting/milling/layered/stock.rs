@@ -1,5 +1,6 @@
 //! A block of stock in layers on a plane grid.
 
+use super::arc::ToothArc;
 use super::way::SAME_DEPTH_M;
 use nalgebra::{Vector2, Vector3};
 use std::ops::Range;
@@ -95,70 +96,6 @@ impl Layer {
     }
 }
 
-/// A part of the way of a tooth's tip: an arc about an axis that moves.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ToothArc {
-    turned_rad: f64,
-    /// Directions from the axis to the tooth at both ends.
-    outward: [Vector2<f64>; 2],
-    axis_m: [Vector2<f64>; 2],
-    pub radius_m: f64,
-}
-
-impl ToothArc {
-    /// Between two angles, of which the latter is the larger by far less than a turn.
-    pub fn new(angles_rad: [f64; 2], axis_m: [Vector2<f64>; 2], radius_m: f64) -> Self {
-        let outward = angles_rad.map(|angle| {
-            let (sin, cos) = angle.sin_cos();
-            Vector2::new(sin, cos)
-        });
-        Self {
-            turned_rad: angles_rad[1] - angles_rad[0],
-            outward,
-            axis_m,
-            radius_m,
-        }
-    }
-
-    /// Where on the arc a tooth points at a place: the share of the way, a little beyond its ends
-    /// included, and the axis then.
-    pub fn at(&self, place_m: &Vector2<f64>) -> Option<(f64, Vector2<f64>)> {
-        const BEYOND: f64 = 0.05;
-        let d = place_m - 0.5 * (self.axis_m[0] + self.axis_m[1]);
-        let [from, to] = &self.outward;
-        if d.dot(&(from + to)) <= 0.0 {
-            return None;
-        }
-        // A tooth moves along (cos, -sin).
-        let ahead = d.x * from.y - d.y * from.x;
-        let behind = d.x * to.y - d.y * to.x;
-        let share = ahead / (ahead - behind);
-        if !(-BEYOND..=1.0 + BEYOND).contains(&share) {
-            return None;
-        }
-        let axis_m = self.axis_m[0].lerp(&self.axis_m[1], share.clamp(0.0, 1.0));
-        Some((share, axis_m))
-    }
-
-    /// Least and greatest places that a ring between two radii reaches.
-    pub fn bounds(&self, [inner_m, outer_m]: [f64; 2]) -> [Vector2<f64>; 2] {
-        let way_m = (self.axis_m[1] - self.axis_m[0]).norm();
-        let margin_m = outer_m * self.turned_rad * self.turned_rad / 8.0 + way_m;
-        let none = Vector2::repeat(f64::INFINITY);
-        let mut bounds = [none, -none];
-        for outward in self.outward {
-            for radius in [inner_m, outer_m] {
-                let place = self.axis_m[0] + radius * outward;
-                bounds = [bounds[0].inf(&place), bounds[1].sup(&place)];
-            }
-        }
-        [
-            bounds[0].add_scalar(-margin_m),
-            bounds[1].add_scalar(margin_m),
-        ]
-    }
-}
-
 /// A block in layers, from the lowest up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayeredStock {
@@ -241,6 +178,23 @@ impl LayeredStock {
             .layers
             .partition_point(|one| one.bottom_m + one.sunk_m() < tip_m);
         uncut..self.layers.len()
+    }
+
+    /// Layers that an edge reaches, from the lowest, with the heights between which it does.
+    pub fn engaged(&self, tip_m: f64) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
+        let layers = &self.layers;
+        let belongs = layers.partition_point(|one| one.top_m <= tip_m);
+        // A tool sunk by little is deeper in the layer above.
+        let next = layers.get(belongs + 1);
+        let above = next.is_some_and(|one| tip_m > one.bottom_m - one.sunk_m());
+        let first = belongs + usize::from(above);
+        (first..layers.len()).map(move |layer| {
+            let low_m = match layer == first {
+                true => tip_m.max(layers[0].bottom_m),
+                false => layers[layer].bottom_m,
+            };
+            (layer, [low_m, layers[layer].top_m])
+        })
     }
 
     /// How far a place lies beyond what is cut of a layer, m, in the block.
@@ -337,6 +291,23 @@ impl LayeredStock {
             if (band_m[0]..=band_m[1]).contains(&distance_m) {
                 let value = &mut self.layers[layer].beyond_m[node];
                 *value = value.min(distance_m - arc.radius_m);
+            }
+        }
+    }
+
+    /// A cutter has sunk into layers at a place: of each all is gone that lies within its rim;
+    /// where that is, arcs of teeth tell.
+    pub(super) fn cut_disc(&mut self, layers: Range<usize>, axis_m: &Vector2<f64>, radius_m: f64) {
+        let within_m = radius_m - self.grid_m();
+        let reach = Vector2::repeat(within_m.max(0.0));
+        let range = self.between([axis_m - reach, axis_m + reach]);
+        for node in self.each(range) {
+            let distance_m = (self.place(node) - axis_m).norm();
+            if distance_m <= within_m {
+                for layer in &mut self.layers[layers.clone()] {
+                    let value = &mut layer.beyond_m[node];
+                    *value = value.min(distance_m - radius_m);
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Stock, walls and floor as the teeth pass.
 
+use super::arc::ToothArc;
 use super::cut::LayeredCut;
-use super::stock::ToothArc;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
@@ -39,6 +39,11 @@ impl LayeredCut {
             || self.stock.block.outside_m(&to.1.xy()) > 1.1 * largest_m
         {
             return;
+        }
+        let reached = self.stock.cut_by(tip_m).start;
+        let before = self.stock.cut_by(from.1.z).start;
+        if self.cutter.centre_cutting && reached < before {
+            (self.stock).cut_disc(reached..before, &to.1.xy(), self.cutter.radius_m);
         }
         let earlier_m = self.trace.at(to.0 - self.cutter.pitch_rad()).displacement_m;
         let travel_m = (earlier_m - to.1).xy().norm();

@@ -283,6 +283,32 @@ fn verify_removed_volume_of_a_ring() {
     }
 }
 
+/// A tool that does not vibrate leaves walls where the path means them, in corners, too: but for
+/// feed marks and the grid's own error no station has more or less.
+#[test]
+fn verify_walls_of_a_rigid_tool_about_corners() {
+    for (seed, grid_m) in [(44, 0.4e-3), (45, 0.2e-3)] {
+        let mut draw = draws(seed);
+        let (r, a) = (draw(4.0, 5.0), draw(16.0, 20.0));
+        let way = legs(
+            &[[-8.0, 10.0], [a, 10.0], [a, 10.0 + a], [14.0, 10.0 + a]],
+            -2.0,
+        );
+        let meant = meant(&way, &[], r * 1e-3, grid_m);
+        let mut cut = cut_of(Cutter::straight(r * 1e-3, 2), &meant, way[0].from_m);
+        lead(&mut cut, &way, 0.1e-3, rigid, |_, _, _| {});
+        let most_m = 0.55 * grid_m * grid_m / (r * 1e-3) + 0.5e-6;
+        let mut seen = 0;
+        for (station, left_m) in cut.walls().left_m() {
+            if left_m.is_finite() {
+                assert!(left_m.abs() < most_m, "{seed}: {left_m} {station:?}");
+                seen += 1;
+            }
+        }
+        assert!(seen > 100, "{seen}");
+    }
+}
+
 /// Area of a disc of radius R about the corner of the path that its cutter of radius r, there and
 /// on both legs, does not cover: by polar angle in the quarter beyond the corner.
 fn outside_corner(r: f64, large: f64) -> f64 {

@@ -3,7 +3,7 @@
 //! A station stands on the path as written, its ray points across it. Of the arcs of all teeth the
 //! one counts that reaches furthest along the ray; a wall is not known better by a finer grid.
 
-use super::stock::ToothArc;
+use super::arc::ToothArc;
 use nalgebra::Vector2;
 
 /// On which side of the path a wall lies, seen along it.

@@ -113,7 +113,7 @@ pub fn follow(
     let mut stock = LayeredStock::new(block, holes, grid_m, &depths);
     let mut sinks = vec![false; legs.len()];
     if ends_cut {
-        sinks = sinking::sinking(legs, stock.clone(), radius_m);
+        sinks = sinking::sinking(legs, &mut stock, radius_m);
         depths.extend(sinking::depths_m(legs, &sinks, &block, &stock));
         depths.sort_by(f64::total_cmp);
         depths.dedup_by(|a, b| (*a - *b).abs() <= SAME_DEPTH_M);
@@ -229,9 +229,11 @@ fn stations(
                     let layers = stock.cut_by(leg.from_m.z);
                     found.extend(layers.filter_map(|layer| {
                         let behind_m = wall_m + outward * grid_m;
+                        // In a corner the other leg takes more: by no more than the grid's own
+                        // error, or the mean would depend on the grid.
                         let stands = stock.is_left(layer, &behind_m)
                             && target.is_left(layer, &behind_m)
-                            && target.beyond_m(layer, &wall_m) > -0.1 * grid_m;
+                            && target.beyond_m(layer, &wall_m) > -0.5 * grid_m * grid_m / radius_m;
                         stands.then_some(Station {
                             side,
                             layer,

@@ -130,9 +130,8 @@ fn verify_forces_and_volume_of_a_ramp() {
         let (mean, chips_m3) = led(&mut cut, &way, c_mm * 1e-3, bounds);
         let chip_m = c_mm * 1e-3 * slope / 1.0_f64.hypot(slope);
         let thrust = 2.0 * (k.radial_pa * chip_m + k.edge_radial_n_per_m) * r * 1e-3;
-        // Ahead the rim takes a crescent as wide as the feed, by which ends are shorter there.
         assert!(
-            (mean[2] / thrust - 1.0).abs() < 1.5e-2,
+            (mean[2] / thrust - 1.0).abs() < 5e-3,
             "{seed} {} {thrust}",
             mean[2]
         );
@@ -179,7 +178,7 @@ fn below_a_ramp_mm3(r: f64, length: f64, slope: f64) -> f64 {
 /// Down a helix within its own width, and once round at the bottom: a round hole.
 #[test]
 fn verify_volume_of_a_hole_by_helix() {
-    for seed in 430..433 {
+    for seed in 430..432 {
         let mut draw = draws(seed);
         let (r, depth, turns) = (draw(3.0, 5.0), draw(1.0, 2.5), 3.0);
         let a = draw(0.4, 0.8) * r;
