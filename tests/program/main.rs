@@ -15,6 +15,8 @@ mod identify;
 mod kept;
 mod maps;
 mod milled;
+mod new;
+mod parts;
 mod path;
 mod same;
 mod signals;
