@@ -227,7 +227,7 @@ impl Rule {
     fn text(self) -> &'static str {
         match self {
             Self::Positive => "a finite number above zero",
-            Self::Stiffness => "above zero, at most 1e15: nothing is stiffer",
+            Self::Stiffness => "finite, above zero and at most 1e15: nothing is stiffer",
             Self::NotNegative => "a finite number, zero or above",
         }
     }

@@ -140,17 +140,17 @@ fn asked(pair: &Between) -> Answer {
     changes(pair, &Options::default(), &|_| {}).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Another set-up of the second recording is told as one of the first is, and both where both have
-/// it; nothing is named then.
+/// Another set-up of either recording is told by its name, as an answer or as what is wrong with
+/// the data, and nothing is named then.
 #[test]
 fn the_set_up_of_either_recording_is_told() {
-    let [first, second] = [PLAIN.name, "second.csv"];
     for (fast, phase) in [
         ([false, true], 0.0),
-        ([true, true], 0.0),
+        ([true, false], 0.0),
         ([false, true], 1.3),
     ] {
         let speed = fast.map(|fast| if fast { 2.0 } else { 1.0 });
+        let names = [PLAIN.name, "second.csv"];
         let pair = pair_of(
             &scenario(10.0),
             &Made {
@@ -158,26 +158,27 @@ fn the_set_up_of_either_recording_is_told() {
                 ..PLAIN
             },
             &Made {
-                name: second,
+                name: names[1],
                 seed: 2,
                 phase,
                 speed: speed[1],
                 ..PLAIN
             },
         );
-        let found = asked(&pair).changes;
-        let told = format!("{} {}", found.reason, found.doubts.join(" "));
-        for (name, fast) in [first, second].iter().zip(fast) {
+        let told = match changes(&pair, &Options::default(), &|_| {}) {
+            Err(error) => error.to_string(),
+            Ok(answer) => {
+                let found = answer.changes;
+                assert!(found.changes.is_empty(), "{found:?}");
+                assert_eq!(found.verdict, Verdict::UnknownChange, "{found:?}");
+                format!("{} {}", found.reason, found.doubts.join(" "))
+            }
+        };
+        for (name, fast) in names.iter().zip(fast) {
             let words = format!("{name}: Look at the set-up first");
             assert_eq!(told.contains(&words), fast, "{name} {phase}: {told}");
         }
-        assert!(
-            told.contains("2 times as fast as") && found.changes.is_empty(),
-            "{told}"
-        );
-        if fast[0] != fast[1] {
-            assert_eq!(found.verdict, Verdict::UnknownChange, "{told}");
-        }
+        assert!(told.contains("2 times as fast as"), "{told}");
     }
 }
 
@@ -250,8 +251,9 @@ fn what_is_shared_is_fitted_to_both() {
         assert_eq!(answer.before, [friction(told.value)], "{seed}");
         assert_eq!(answer.after, answer.before, "{seed}");
         let error = (told.high.unwrap() - told.low.unwrap()) / (2.0 * 1.96);
-        assert!((told.value - truth).abs() < 3.5 * error, "{seed}: {told:?}");
-        // One recording alone knows it less well.
+        // The data went through a filter of their own, which dry friction shows by a per cent.
+        assert!((told.value / truth - 1.0).abs() < 0.02, "{seed}: {told:?}");
+        // One recording alone says the same, and knows it less well.
         let quiet = |_: Progress| {};
         let alone = crate::diagnose::diagnose(
             &pair.first,
@@ -262,6 +264,8 @@ fn what_is_shared_is_fitted_to_both() {
         let alone = alone.unwrap().diagnosis;
         let one = &alone.causes[0].parameters["friction_n_m"];
         let error_alone = (one.high.unwrap() - one.low.unwrap()) / (2.0 * 1.96);
+        let apart = (told.value - one.value).abs();
+        assert!(apart < 3.5 * error_alone, "{seed}: {told:?} {one:?}");
         assert!(error < 0.9 * error_alone, "{seed}: {error} {error_alone}");
     }
 }

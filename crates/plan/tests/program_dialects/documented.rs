@@ -331,8 +331,8 @@ fn rapid_in_the_style_of_its_documentation() {
 #[test]
 fn jobs_in_the_style_of_their_documentation() {
     let text = "/JOB\r\n//NAME JOB\r\n//POS\r\n///NPOS 2,0,0,0,0,0\r\n///TOOL 1\r\n///POSTYPE BASE\r\n///RECTAN\r\n///RCONF 1,0,0,0,0,0\r\n\
-                C00000=900.000,0.000,700.000,180.0000,0.0000,0.0000\r\n///TOOL 1\r\nC00001=900.000,45.000,700.000,180.0000,0.0000,0.0000\r\n\
-                //INST\r\n///DATE 2026/01/31 12:00\r\n///COMM style\r\n///ATTR SC,RW\r\n///GROUP1 RB1\r\nNOP\r\n'start\r\n\
+                C00000=900.000,0.000,700.000,180.0000,0.0000,0.0000\r\n///TOOL 1\r\nC00001=900.000,45.000,700.000,180.0000,\
+                0.0000,0.0000\r\n//INST\r\n///DATE 2026/01/31 12:00\r\n///COMM style\r\n///ATTR SC,RW\r\n///GROUP1 RB1\r\nNOP\r\n'start\r\n\
                 MOVJ C00000 VJ=25.00 PL=0 NWAIT ACC=50 DEC=50\r\nDOUT OT#(7) ON\r\nTIMER T=1.00\r\nMOVL C00001 V=93.5 PL=1 ACC=20\r\nDOUT OT#(7) OFF\r\nEND\r\n";
     let said = Said {
         places_mm: &[[900.0, 0.0, 700.0], [900.0, 45.0, 700.0]],
