@@ -43,7 +43,8 @@ fn values_out_of_range_quote_value_limit_and_rule() {
     );
     assert_eq!(
         fault("depth_mm = 1.0", "depth_mm = 0"),
-        "`process.chamfer.depth_mm` is 0, but must be greater than 0: a chamfer has a depth"
+        "`process.chamfer.depth_mm` is 0, but must be greater than 0: a chamfer has a depth, no more than a \
+         metre"
     );
     for (from, to, limit) in [
         (

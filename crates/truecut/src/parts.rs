@@ -27,7 +27,7 @@ use crate::rows::{self, Foreign, Head};
 /// let text = r#"
 /// name = "Parts"
 /// [robot]
-/// urdf = "rig_3dof/robot.urdf"
+/// urdf = "rig_1dof/robot.urdf"
 /// [run]
 /// duration_s = 0.05
 /// [process.load]
