@@ -58,82 +58,38 @@ fn what_is_given_is_taken() {
     );
     // What is there is kept.
     desk.refused(&call, &["scenario.toml is there already", "--out"]);
-    for (call, said) in [
+    let rig = robot("ur10e");
+    for (process, urdf, given, said) in [
         (
-            &[
-                "new",
-                "load",
-                "--robot",
-                &urdf,
-                "-o",
-                "a",
-                "--place-mm",
-                "1,2,3",
-            ][..],
+            "load",
+            &urdf,
+            &["--place-mm", "1,2,3"][..],
             "--place-mm has no effect",
         ),
         (
-            &[
-                "new",
-                "polish",
-                "--robot",
-                &urdf,
-                "-o",
-                "a",
-                "--posture-deg",
-                "1,2,3",
-            ],
+            "polish",
+            &urdf,
+            &["--posture-deg", "1,2,3"],
             "--posture-deg has no effect",
         ),
+        ("polish", &urdf, &["--place-mm", "1,2"], "must have three"),
         (
-            &[
-                "new",
-                "polish",
-                "--robot",
-                &urdf,
-                "-o",
-                "a",
-                "--place-mm",
-                "1,2",
-            ],
-            "must have three",
+            "polish",
+            &urdf,
+            &["--place-mm", "9000,0,0"],
+            "out of reach at (9.0",
         ),
         (
-            &[
-                "new",
-                "polish",
-                "--robot",
-                &urdf,
-                "-o",
-                "a",
-                "--place-mm",
-                "9000,0,0",
-            ],
-            "a",
+            "load",
+            &urdf,
+            &["--posture-deg", "1,2"],
+            "has 2 values, but the chain has 6 rotary joints",
         ),
-        (
-            &[
-                "new",
-                "load",
-                "--robot",
-                &urdf,
-                "-o",
-                "a",
-                "--posture-deg",
-                "1,2",
-            ],
-            "2",
-        ),
-        (
-            &["new", "load", "--robot", "none.urdf", "-o", "a"],
-            "none.urdf",
-        ),
-        (
-            &["new", "load", "--robot", &robot("ur10e"), "-o", "a"],
-            "truecut robot init",
-        ),
+        ("load", &"none.urdf".to_owned(), &[], "none.urdf"),
+        ("load", &rig, &[], "truecut robot init"),
     ] {
-        desk.refused(call, &[said]);
+        let call = [&["new", process, "--robot", urdf, "-o", "a"], given].concat();
+        desk.refused(&call, &[said]);
         assert!(!desk.path("a").exists(), "{call:?}");
     }
 }

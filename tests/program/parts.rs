@@ -267,38 +267,13 @@ fn rows_are_drawn_over_axes_and_what_is_uncertain() {
         );
         assert!(!seen.contains(&found), "{method} {seed} draws other rows");
         // The same seed draws the same rows, in parts as well.
-        let call = [
-            "sweep",
-            "drawn.toml",
-            "--engine",
-            "reduced",
-            "--rows",
-            "20..64",
-            "-o",
-            "b",
-        ];
-        desk.ends(0, &call);
-        let call = [
-            "sweep",
-            "drawn.toml",
-            "--engine",
-            "reduced",
-            "--rows",
-            "0..20",
-            "-o",
-            "a",
-        ];
-        desk.ends(0, &call);
-        let call = [
-            "sweep",
-            "drawn.toml",
-            "--engine",
-            "reduced",
-            "--merge",
-            "b",
-            "a",
-        ];
-        desk.ends(0, &call);
+        let reduced = |rest: &[&str]| {
+            let call = ["sweep", "drawn.toml", "--engine", "reduced"];
+            desk.ends(0, &[&call, rest].concat());
+        };
+        reduced(&["--rows", "20..64", "-o", "b"]);
+        reduced(&["--rows", "0..20", "-o", "a"]);
+        reduced(&["--merge", "b", "a"]);
         assert_eq!(columns(&desk), found);
         for name in ["a", "b"] {
             std::fs::remove_file(desk.path(name)).unwrap();

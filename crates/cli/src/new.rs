@@ -61,6 +61,10 @@ pub fn new(arguments: &NewArguments) -> Result<ExitStatus, Failure> {
             }
         }
     }
+    let is_given = arguments.posture_deg.is_some() || arguments.place_mm.is_some();
+    if let Some(fault) = last.as_ref().filter(|_| is_given) {
+        return Err(Failure::message(fault));
+    }
     // What is wrong everywhere has nothing to do with the start.
     if let Some(fault) = last.as_ref().filter(|_| is_one) {
         return Err(Failure::with_help(
