@@ -1,23 +1,24 @@
 //! What is wrong with the input is told before the work, not after it; what a path must not ask of
 //! an arm gets no program.
 
-use std::time::{Duration, Instant};
-
 use super::path::{hp20, repository, told};
 use super::{BAD_INPUT, CLAIM_FAILED, Desk, LONG};
 
-/// Longer than it takes to read files, much less than the run would.
-const SOON: Duration = Duration::from_secs(20);
-
-/// A run of 300 s with a claim, which ends soon with one fault.
-fn refused_soon(claim: &str, parts: &[&str]) {
+/// A run of 300 s with a claim, which is refused before it has begun: one so long says what it will
+/// take before its first step (`kept.rs`), and leaves what it has recorded.
+fn refused_before(claim: &str, parts: &[&str]) {
     let desk = Desk::new();
     let claim = format!("[[claim]]\nname = \"one\"\nreason = \"a test\"\n{claim}\n");
     desk.scenario("long", LONG, &claim);
-    let begun = Instant::now();
     let output = desk.truecut(&["run", "long.toml", "--no-rrd"]);
     assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
-    assert!(begun.elapsed() < SOON, "{:?}", begun.elapsed());
+    assert!(!told(&output).contains(" steps, "), "{}", told(&output));
+    let left = std::fs::read_dir(desk.path("out/long")).unwrap();
+    assert_eq!(
+        left.count(),
+        0,
+        "nothing is left of a run that did not begin"
+    );
     for part in parts {
         assert!(told(&output).contains(part), "{part}: {}", told(&output));
     }
@@ -26,7 +27,7 @@ fn refused_soon(claim: &str, parts: &[&str]) {
 #[test]
 fn a_misspelt_scalar_is_told_before_the_run() {
     let claim = "scalar = \"plant.mode1_freqency\"\nmin = 1\nunit = \"Hz\"";
-    refused_soon(
+    refused_before(
         claim,
         &["plant.mode1_freqency", "plant.mode1_frequency", "long.toml"],
     );
@@ -35,7 +36,7 @@ fn a_misspelt_scalar_is_told_before_the_run() {
 #[test]
 fn a_scalar_in_a_unit_of_another_dimension_is_told_before_the_run() {
     let claim = "scalar = \"run.time_step\"\nmin = 0\nunit = \"mm\"";
-    refused_soon(claim, &["run.time_step", "mm", "long.toml"]);
+    refused_before(claim, &["run.time_step", "mm", "long.toml"]);
 }
 
 /// A job of the mould's top with changed lines: refused soon, at the line.
@@ -116,11 +117,14 @@ fn a_path_that_is_too_fast_for_a_joint_gets_no_program() {
 fn a_folder_in_the_place_of_the_report_is_told_before_the_runs() {
     let desk = Desk::new();
     desk.scenario("long", LONG, "");
-    let begun = Instant::now();
-    let output = desk.truecut(&["check", "long.toml", "--junit", "."]);
+    // A fault of the first scenario would be told if any was looked at.
+    desk.scenario("faulty", "duration_s = -1", "");
+    let output = desk.truecut(&["check", "faulty.toml", "long.toml", "--junit", "."]);
     assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
     assert!(told(&output).contains("is a folder"), "{}", told(&output));
-    assert!(begun.elapsed() < SOON, "{:?}", begun.elapsed());
+    assert!(!told(&output).contains("faulty"), "{}", told(&output));
+    let checked = desk.truecut(&["check", "faulty.toml", "--junit", "report.xml"]);
+    assert!(told(&checked).contains("faulty"), "{}", told(&checked));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use truecut_recording::{ChannelSpec, Chunk, Header, Outcome, Recording, Sink, Un
 use truecut_sim::travel_view;
 use truecut_telemetry::RrdSink;
 
-use super::files::{slide_cells, slide_heads};
+use super::files::{POSE, slide_cells, slide_heads};
 use crate::clearance::Checked;
 use crate::failure::Failure;
 
@@ -34,21 +34,8 @@ pub(super) fn table(
     slides_m: &[f64],
 ) -> csv::Result<Vec<u8>> {
     let mut out = csv::Writer::from_writer(Vec::new());
-    let heads = [
-        "point",
-        "line",
-        "work_x_mm",
-        "work_y_mm",
-        "work_z_mm",
-        "x_mm",
-        "y_mm",
-        "z_mm",
-        "qw",
-        "qx",
-        "qy",
-        "qz",
-    ];
-    let names = heads.map(str::to_owned).into_iter();
+    let heads = ["point", "line", "work_x_mm", "work_y_mm", "work_z_mm"];
+    let names = heads.into_iter().chain(POSE).map(str::to_owned);
     let names = names.chain((1..=robot.dof()).map(|j| format!("j{j}")));
     let names = names.chain(slide_heads(slides_m));
     out.write_record(names.chain(["feed_mm_per_s".to_owned()]))?;

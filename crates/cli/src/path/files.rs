@@ -84,7 +84,8 @@ fn program(answer: &PlannedPath<'_>) -> Result<Vec<ProgramFile>, Failure> {
 fn table(answer: &PlannedPath<'_>) -> csv::Result<Vec<u8>> {
     let mut out = csv::Writer::from_writer(Vec::new());
     let joints = (1..=answer.inputs.robot.dof()).map(|j| format!("j{j}"));
-    let before = BEFORE_JOINTS.map(str::to_owned).into_iter();
+    let before = BEFORE_POSE.into_iter().chain(POSE).chain(["turntable_deg"]);
+    let before = before.map(str::to_owned);
     let slides_m = &answer.job.robot.posture_m;
     let heads = joints.chain(slide_heads(slides_m));
     out.write_record(before.chain(heads).chain(AFTER_JOINTS.map(str::to_owned)))?;
@@ -120,21 +121,9 @@ pub fn slide_cells(places_m: &[f64]) -> impl Iterator<Item = String> + '_ {
     places_m.iter().map(|m| format!("{:.6}", m * 1e3))
 }
 
-const BEFORE_JOINTS: [&str; 13] = [
-    "point",
-    "copy",
-    "segment",
-    "contact",
-    "taught",
-    "x_mm",
-    "y_mm",
-    "z_mm",
-    "qw",
-    "qx",
-    "qy",
-    "qz",
-    "turntable_deg",
-];
+const BEFORE_POSE: [&str; 5] = ["point", "copy", "segment", "contact", "taught"];
+/// Columns of the tool's pose.
+pub const POSE: [&str; 7] = ["x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz"];
 const AFTER_JOINTS: [&str; 6] = [
     "feed_mm_per_s",
     "joint_speed_percent",

@@ -1,7 +1,6 @@
 //! Comparisons of recordings of an arm of two joints, in inverse dynamics, whose drive forces are
 //! those of a set-up, with effects, a law that no effect has, and noise.
 
-use std::path::Path;
 use std::sync::Mutex;
 
 use truecut_recording::ChannelSpec;
@@ -14,6 +13,7 @@ use super::change::{Change, Of};
 use super::*;
 use crate::diagnose::{Options, Progress};
 use crate::testing::{Colour, noise};
+use crate::trial::tests::arm_of_two;
 
 const RATE_HZ: f64 = 100.0;
 const SAMPLES: usize = 1200;
@@ -43,20 +43,7 @@ const PLAIN: Made = Made {
 
 /// The arm, its drive forces compared up to a frequency.
 fn scenario(compared_to_hz: f64) -> Scenario {
-    let channel = |joint: usize| {
-        format!(
-            "[[data.channel]]\ncolumn = \"q{joint}\"\nchannel = \"joint{joint}.angle\"\nunit = \"rad\"\nrole = \"input\"\n\
-             [[data.channel]]\ncolumn = \"f{joint}\"\nchannel = \"joint{joint}.drive_torque\"\nunit = \"N m\"\n"
-        )
-    };
-    let text = format!(
-        "name = \"swung\"\n[robot]\nurdf = \"../../assets/robots/arm_2r/robot.urdf\"\n[process.replay]\nmode = \"inverse\"\n\
-         differentiate_cutoff_hz = 20\ncompare_cutoff_hz = {compared_to_hz}\n[data]\ntime = \"t\"\n{}{}",
-        channel(1),
-        channel(2)
-    );
-    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/replay/of_a_test.toml");
-    Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"))
+    arm_of_two(20.0, compared_to_hz)
 }
 
 fn recorded(made: &Made) -> Measured {

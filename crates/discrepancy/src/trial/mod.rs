@@ -20,7 +20,7 @@ mod speeds;
 mod steps;
 mod stiff;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod zeros;
 
 use truecut_recording::ChannelSpec;

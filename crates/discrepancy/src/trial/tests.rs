@@ -152,9 +152,9 @@ fn no_candidate_is_refused_by_the_simulator() {
     }
 }
 
-/// The arm of two joints that moves in a plane, in inverse dynamics, and what its drives would give
-/// in a set-up: under a gravity along `down`, moved `speed` times as fast, with `effects`.
-fn swung(down: [f64; 3], speed: f64, effects: &[Effect]) -> (Scenario, Measured) {
+/// The arm of two joints that moves in a plane, in inverse dynamics: motions are differentiated up
+/// to one frequency, drive forces compared up to another.
+pub(crate) fn arm_of_two(differentiated_to_hz: f64, compared_to_hz: f64) -> Scenario {
     let channel = |joint: usize| {
         format!(
             "[[data.channel]]\ncolumn = \"q{joint}\"\nchannel = \"joint{joint}.angle\"\nunit = \"rad\"\nrole = \"input\"\n\
@@ -163,12 +163,18 @@ fn swung(down: [f64; 3], speed: f64, effects: &[Effect]) -> (Scenario, Measured)
     };
     let text = format!(
         "name = \"swung\"\n[robot]\nurdf = \"../../assets/robots/arm_2r/robot.urdf\"\n[process.replay]\nmode = \"inverse\"\n\
-         differentiate_cutoff_hz = 100\ncompare_cutoff_hz = 60\n[data]\ntime = \"t\"\n{}{}",
+         differentiate_cutoff_hz = {differentiated_to_hz}\ncompare_cutoff_hz = {compared_to_hz}\n[data]\ntime = \"t\"\n{}{}",
         channel(1),
         channel(2)
     );
     let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/replay/of_a_test.toml");
-    let scenario = Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
+    Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+/// That arm, and what its drives would give in a set-up: under a gravity along `down`, moved
+/// `speed` times as fast, with `effects`.
+fn swung(down: [f64; 3], speed: f64, effects: &[Effect]) -> (Scenario, Measured) {
+    let scenario = arm_of_two(100.0, 60.0);
     let mut measured = swinging(vec![
         ("joint1.angle", Unit::Radian, Role::Input, 0.5),
         ("joint2.angle", Unit::Radian, Role::Input, 0.8),
