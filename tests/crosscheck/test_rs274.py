@@ -137,3 +137,23 @@ def test_files_of_cam_posts_are_the_path_of_linuxcnc(truecut, tmp_path, file):
 @pytest.mark.parametrize("name", OTHERS)
 def test_files_of_other_people_are_the_path_of_linuxcnc(truecut, tmp_path, name):
     print(f"{name}: {compare(Path(NC_FILES) / name, truecut, tmp_path) * 1e3:.3f} um")
+
+
+@pytest.mark.skipif(NC_FILES is None, reason="TRUECUT_NC_FILES names no folder")
+@pytest.mark.parametrize("name", OTHERS)
+def test_what_files_in_inches_are_apart_by_is_the_rounding_of_the_listing(truecut, tmp_path, name):
+    # the listing has four decimals of an inch: 1.27 um in one axis, 1.80 in two; the same numbers in mm are listed to 0.05 um
+    file = tmp_path / name
+    file.write_text(re.sub(r"\bG20\b", "G21", (Path(NC_FILES) / name).read_text(encoding="utf-8"), flags=re.IGNORECASE))
+    most = compare(file, truecut, tmp_path)
+    print(f"{name} in mm: {most * 1e3:.3f} um")
+    assert most <= 0.2 * APART_MM
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_drawn_files_in_millimetres_are_the_path_of_linuxcnc(truecut, tmp_path, seed):
+    file = tmp_path / "drawn.ngc"
+    file.write_text(drawn_gcode(seed).replace("G20", "G21"))
+    most = compare(file, truecut, tmp_path)
+    print(f"seed {seed} in mm: {most * 1e3:.3f} um")
+    assert most <= APART_MM
