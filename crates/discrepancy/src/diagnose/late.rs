@@ -21,15 +21,15 @@ const ALIKE: f64 = 0.5;
 
 impl Search<'_, '_> {
     /// Takes the delays that stand out beside the causes found, if any, and all that adds up, if
-    /// the model is clearly better for them.
-    pub(super) fn delays(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+    /// the model is clearly better for them; whether it is.
+    pub(super) fn delays(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
         let train = &problem.split.train;
         let own: Vec<usize> = (problem.late.iter().copied())
             .filter(|&one| problem.candidates[one].target != Target::Whole)
             .collect();
         if own.is_empty() {
-            return Ok(());
+            return Ok(false);
         }
         let mut start = outcome.chosen.point.clone();
         let others = problem.model.additive().into_iter().chain(own);
@@ -40,11 +40,11 @@ impl Search<'_, '_> {
         start.effects.extend(absent);
         let tests = outcome.tests.max(start.effects.len());
         let Ok(all) = fit(problem, start, train, &outcome.orders, true) else {
-            return Ok(());
+            return Ok(false);
         };
         let (all, orders) = settled(problem, all)?;
         let Some(point) = thinned(problem, &all, tests).filter(|one| is_late(problem, one)) else {
-            return Ok(());
+            return Ok(false);
         };
         let (found, orders) = settled(problem, fit(problem, point, train, &orders, true)?)?;
         let (found, orders) = self.common(found, orders)?;
@@ -54,8 +54,9 @@ impl Search<'_, '_> {
         if better && paired.t() > LEAST_T && paired.practical >= problem.options.min_gain {
             outcome.rivals = beside(problem, &outcome.rivals, &found, &orders);
             (outcome.chosen, outcome.orders) = (found, orders);
+            return Ok(true);
         }
-        Ok(())
+        Ok(false)
     }
 
     /// One delay of all that is measured in place of those of each channel, where these agree as

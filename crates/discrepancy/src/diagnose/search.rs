@@ -103,13 +103,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         fits: Vec::new(),
     };
     let most = problem.options.max_effects;
-    while search.forward(&mut outcome)? {
-        search.backward(&mut outcome)?;
-        if outcome.chosen.point.effects.len() >= most {
-            outcome.limited = search.finds_more(&outcome)?;
-            break;
-        }
-    }
+    search.ascend(&mut outcome, most)?;
     let count = |outcome: &Outcome| outcome.chosen.point.effects.len();
     if (outcome.limited || count(&outcome) == 0) && search.together(&mut outcome)? {
         let most = count(&outcome) + most;
@@ -131,7 +125,10 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         }
     }
     search.prefer_the_first(&mut outcome)?;
-    search.delays(&mut outcome)?;
+    // What a delay leaves is seen beside it only: before, others stood in its place.
+    if search.delays(&mut outcome)? && count(&outcome) < most {
+        search.ascend(&mut outcome, most)?;
+    }
     outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
     outcome.fits = search.fits;
     Ok(outcome)
@@ -182,6 +179,19 @@ pub(super) fn settled(problem: &Problem, first: Fit) -> Result<(Fit, Vec<usize>)
 }
 
 impl Search<'_, '_> {
+    /// Adds effects as long as they earn their place, `most` in all, and takes those away that do
+    /// not any more.
+    fn ascend(&mut self, outcome: &mut Outcome, most: usize) -> Result<(), DiagnoseError> {
+        while self.forward(outcome)? {
+            self.backward(outcome)?;
+            if outcome.chosen.point.effects.len() >= most {
+                outcome.limited = self.finds_more(outcome)?;
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// Adds the effect, or the pair, that explains most; false where nothing earns its place.
     pub(super) fn forward(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
