@@ -335,6 +335,37 @@ fn verify_effects_change_the_drive_force_by_their_law() {
     }
 }
 
+/// States without an order are read by a sensor that is late like any others, be they more or fewer
+/// than the samples of the data.
+#[test]
+fn verify_a_late_sensor_reads_unrelated_states() {
+    let motion = |t: f64| 0.1 + 0.05 * (TAU * 0.8 * t).sin();
+    let channel = |name, role| (name, Unit::Metre, role, wave(400.0, 801, motion));
+    let mut force = channel("joint1.drive_force", Role::Output);
+    force.1 = Unit::Newton;
+    let measured = data(
+        400.0,
+        801,
+        vec![channel("joint1.position", Role::Input), force],
+    );
+    let model = InverseModel::new(&scenario("position", "inverse", ""), &measured).unwrap();
+    // by one interval of the data
+    let late = Effect {
+        kind: EffectKind::SensorDelay,
+        target: Target::Channel("joint1.drive_force".into()),
+        values: vec![1.0 / 400.0],
+    };
+    for states in [150, 2000] {
+        let model = model.in_any_state(states);
+        let [prompt, late] = [vec![], vec![late.clone()]]
+            .map(|effects| model.predict(&effects).unwrap().remove(0));
+        assert_eq!([prompt.len(), late.len()], [states, states]);
+        for (before, after) in prompt.iter().zip(&late[1..]) {
+            assert!((before - after).abs() < 1e-6 * before.abs().max(1.0));
+        }
+    }
+}
+
 /// A sensor's gain, offset and the rest act in one order, whatever the order of the entries.
 #[test]
 fn verify_a_sensor_is_the_same_in_any_order_of_its_effects() {

@@ -162,21 +162,17 @@ impl InverseModel {
     }
 
     /// The same arm in unrelated states, unfiltered: what is alike there, no motion tells apart.
+    /// For what a sensor makes of a row of values they follow one another at the data's interval.
     pub fn in_any_state(&self, states: usize) -> InverseModel {
-        self.along(self.motion.of_any_states(states), self.unfiltered())
+        let interval_s = self.measured.interval_s();
+        let times_s = (0..states).map(|state| state as f64 * interval_s).collect();
+        self.along(self.motion.of_any_states(states), times_s)
     }
 
     /// The same arm along another motion of all joints, at its times, unfiltered.
     pub fn in_motion(&self, motion: &SampledMotion, times_s: &[f64]) -> InverseModel {
         let motion = Motion::of(motion, self.motion.gravity_m_s2);
-        let along = self.along(motion, self.unfiltered());
-        InverseModel {
-            measured: Measured {
-                time_s: times_s.to_vec(),
-                ..Measured::default()
-            },
-            ..along
-        }
+        self.along(motion, times_s.to_vec())
     }
 
     /// Passes all: its cutoff is beyond half the rate.
@@ -185,9 +181,13 @@ impl InverseModel {
         Butterworth::low_pass(FILTER_ORDER, rate_hz, rate_hz)
     }
 
-    fn along(&self, motion: Motion, filter: Butterworth) -> InverseModel {
-        let (robot, joints) = (&self.robot, &self.joints);
+    fn along(&self, motion: Motion, time_s: Vec<f64>) -> InverseModel {
+        let (robot, joints, filter) = (&self.robot, &self.joints, self.unfiltered());
         InverseModel {
+            measured: Measured {
+                time_s,
+                ..Measured::default()
+            },
             nominal: nominal(robot, &motion, joints, &filter),
             body: BodyRegressors::new(robot, &motion, joints, &filter, robot.dof() - 1),
             motion,
