@@ -2,6 +2,9 @@
 
 use truecut_recording::measured::{Measured, MeasuredChannel, Role, SPIKE, replace_spikes};
 use truecut_scenario::Scenario;
+use truecut_sim::run::Rows;
+
+use crate::trial::sampling;
 
 /// The data with spikes of outputs replaced by what their neighbours say, with a note on each
 /// channel that had some.
@@ -12,6 +15,37 @@ pub(crate) fn bridged(scenario: &Scenario, measured: &Measured) -> Measured {
         bridged
             .notes
             .push(format!("{note}, and were replaced by that"));
+    }
+    bridged
+}
+
+/// The data with those spikes replaced, too, that hide in what swings: in what a run of the model
+/// leaves of the outputs, which is smoother than they are.
+pub(crate) fn bridged_beside(scenario: &Scenario, measured: &Measured, rows: &Rows) -> Measured {
+    let times_s = measured.process_time_s();
+    let mut left = measured.clone();
+    for channel in &mut left.channels {
+        let mut specs = rows.channels.iter();
+        let index = specs.position(|spec| spec.name == channel.spec.name);
+        let model = index.map(|index| sampling::at(&rows.time_s, &rows.columns[index], &times_s));
+        let pairs = channel.values.iter_mut().zip(model.iter().flatten());
+        pairs.for_each(|(value, model)| *value -= model);
+    }
+    let before = left.clone();
+    let mut bridged = measured.clone();
+    for (index, found) in replaced(scenario, &mut left) {
+        let changes = left.channels[index]
+            .values
+            .iter()
+            .zip(&before.channels[index].values);
+        let values = bridged.channels[index].values.iter_mut();
+        values
+            .zip(changes)
+            .for_each(|(value, (after, before))| *value += after - before);
+        bridged.notes.push(format!(
+            "{} beside a run of the model, and were replaced by that",
+            told(&measured.channels[index], found)
+        ));
     }
     bridged
 }

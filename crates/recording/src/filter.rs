@@ -52,13 +52,18 @@ impl Butterworth {
         if cutoff_hz >= 0.5 * rate_hz {
             return 1.0;
         }
-        let warped = (PI * cutoff_hz / rate_hz).tan();
         let power = |k: usize| {
-            let w = (0.5 * PI * (k as f64 + 0.5) / FREQUENCIES as f64).tan();
-            let gain_squared = 1.0 / (1.0 + (w / warped).powi(2 * order as i32));
-            gain_squared * gain_squared
+            let cycles = 0.5 * (k as f64 + 0.5) / FREQUENCIES as f64;
+            Butterworth::zero_phase_gain(order, cutoff_hz / rate_hz, cycles).powi(2)
         };
         ((0..FREQUENCIES).map(power).sum::<f64>() / FREQUENCIES as f64).sqrt()
+    }
+
+    /// Gain of a low-pass filter of this order, run forward and backward; cutoff and frequency in
+    /// cycles per sample, below a half.
+    pub fn zero_phase_gain(order: usize, cutoff: f64, cycles: f64) -> f64 {
+        let [warped, w] = [cutoff, cycles].map(|cycles| (PI * cycles).tan());
+        1.0 / (1.0 + (w / warped).powi(2 * order as i32))
     }
 
     /// Runs the filter forward and backward: no delay, and the gain of the filter squared (so that

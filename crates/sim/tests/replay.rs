@@ -357,8 +357,8 @@ fn verify_a_late_sensor_reads_unrelated_states() {
     };
     for states in [150, 2000] {
         let model = model.in_any_state(states);
-        let [prompt, late] = [vec![], vec![late.clone()]]
-            .map(|effects| model.predict(&effects).unwrap().remove(0));
+        let [prompt, late] =
+            [vec![], vec![late.clone()]].map(|effects| model.predict(&effects).unwrap().remove(0));
         assert_eq!([prompt.len(), late.len()], [states, states]);
         for (before, after) in prompt.iter().zip(&late[1..]) {
             assert!((before - after).abs() < 1e-6 * before.abs().max(1.0));

@@ -49,6 +49,7 @@ pub(super) fn difference(first: &Observation, second: &Observation, at: Overlap)
                 false => 0.0,
             },
             // Either rounding stays, whatever the other does.
+            noise_error: a.noise_error.max(b.noise_error),
             held_step: a.held_step.hypot(b.held_step),
         }
     });
@@ -92,6 +93,7 @@ pub(super) fn one_after_the_other(first: &Observation, second: &Observation) -> 
             noise: a.noise.zip(b.noise).map(|(a, b)| mean(a, b)),
             sample: both(a, b, 1.0),
             noise_without_memory: mean(a.noise_without_memory, b.noise_without_memory),
+            noise_error: a.noise_error.max(b.noise_error),
             held_step: mean(a.held_step, b.held_step),
         }
     });

@@ -17,6 +17,8 @@ pub struct Output {
     pub valid: Vec<bool>,
     /// Standard deviation of the noise, where it is stated.
     pub noise: Option<f64>,
+    /// Of its square, relative: what a filter leaves of it is not known as it is itself.
+    pub noise_error: f64,
     /// Noise by itself, where the data show it.
     pub sample: Option<NoiseSample>,
     /// Standard deviation of the noise if it has no memory, from differences in time; 0 if they

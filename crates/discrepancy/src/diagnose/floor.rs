@@ -122,7 +122,7 @@ impl Floor {
                 source: NoiseSource::Stated,
                 rms: noise,
                 window: None,
-                error: 0.0,
+                error: output.noise_error,
                 memory: None,
                 whitening: None,
                 numerical,

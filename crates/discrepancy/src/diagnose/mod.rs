@@ -49,6 +49,7 @@ mod span;
 mod step;
 mod together;
 mod uncertainty;
+mod unite;
 mod validate;
 
 use std::time::Instant;

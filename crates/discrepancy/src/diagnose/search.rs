@@ -129,6 +129,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
     if search.delays(&mut outcome)? && count(&outcome) < most {
         search.ascend(&mut outcome, most)?;
     }
+    search.unite(&mut outcome)?;
     outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
     outcome.fits = search.fits;
     Ok(outcome)

@@ -13,6 +13,7 @@ mod sums;
 pub use ar::{Ar, default_order_cap};
 pub use background::Background;
 pub use blocks::contiguous_blocks;
+pub(crate) use spectrum::quiet_density;
 pub use spectrum::{Periodogram, welch};
 pub use sums::{SumCovariance, sum_covariance};
 pub(crate) use sums::{degrees, density_on_grid, unbiased};

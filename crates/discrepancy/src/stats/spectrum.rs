@@ -57,6 +57,33 @@ pub fn welch(values: &[f64], valid: &[bool], length: usize) -> Option<Periodogra
     })
 }
 
+/// Density as in [`Periodogram`] of what is there at all times, besides what comes and goes: of each
+/// bin the value below which a part `share` of the segments lies, over what it is for Gaussian
+/// noise, whose power in a bin is exponentially distributed. `None` without a segment.
+pub(crate) fn quiet_density(
+    values: &[f64],
+    valid: &[bool],
+    length: usize,
+    share: f64,
+) -> Option<Vec<f64>> {
+    let starts = stretches(valid, length);
+    let window = hann(length);
+    let segments: Vec<Vec<f64>> = (starts.iter())
+        .map(|&start| {
+            let rows = start..start + length;
+            let (tapered, power) = tapered(&values[rows.clone()], &valid[rows], &window);
+            let bins = forward(tapered, length).into_iter();
+            bins.map(|bin| bin.norm_sqr() / power).collect()
+        })
+        .collect();
+    let rank = (share * segments.len().checked_sub(1)? as f64).round() as usize;
+    let density = (0..length / 2 + 1).map(|bin| {
+        let mut powers: Vec<f64> = segments.iter().map(|one| one[bin]).collect();
+        *powers.select_nth_unstable_by(rank, f64::total_cmp).1 / -(1.0 - share).ln()
+    });
+    Some(density.collect())
+}
+
 /// Cross power of two series over the same segments as [`welch`] of both: (first, second, cross).
 pub(crate) fn cross_welch(
     first: &[f64],
@@ -168,6 +195,23 @@ mod tests {
             (scatter * estimate.degrees / 2.0 - 1.0).abs() < 0.3,
             "{scatter}"
         );
+    }
+
+    /// Noise that is loud for half of the time counts as it is in the other half.
+    #[test]
+    fn verify_quiet_density_is_that_of_what_is_always_there() {
+        let drawn = noise(Colour::White, 40_000, 5);
+        let loud = |k: usize| if k % 2000 < 800 { 20.0 } else { 1.0 };
+        let rows = drawn.iter().enumerate();
+        let values: Vec<f64> = rows.map(|(k, x)| loud(k) * x).collect();
+        let valid = vec![true; values.len()];
+        let steady = quiet_density(&drawn, &valid, 64, 0.3).unwrap();
+        let quiet = quiet_density(&values, &valid, 64, 0.3).unwrap();
+        let mean = |density: &[f64]| density[2..31].iter().sum::<f64>() / 29.0;
+        assert!((mean(&steady) - 1.0).abs() < 0.03, "{}", mean(&steady));
+        // a half of the quiet segments are above their own median
+        assert!((0.9..2.0).contains(&mean(&quiet)), "{}", mean(&quiet));
+        assert_eq!(quiet_density(&drawn[..20], &[true; 20], 64, 0.3), None);
     }
 
     #[test]

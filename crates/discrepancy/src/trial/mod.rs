@@ -181,8 +181,13 @@ impl Trial {
                 check_length(scenario, measured, &robots)?;
                 let rows = reduced(scenario, measured, &robots).rows(&[], None)?;
                 let channels = observation::outputs(scenario, measured, &rows)?;
-                (Kind::Forward, Some(rows), measured.clone(), channels)
+                let used = crate::spikes::bridged_beside(scenario, measured, &rows);
+                (Kind::Forward, Some(rows), used, channels)
             }
+        };
+        let measured = match &engine {
+            Kind::Forward => &used,
+            _ => measured,
         };
         let mut observation =
             observation::observation(scenario, &used, &channels, recording.as_ref());
@@ -193,14 +198,7 @@ impl Trial {
             Kind::Inverse { model, every } => (model.measured(), *every),
             _ => (measured, 1),
         };
-        let known = noise::Recording::new(scenario, measured, whole, every);
-        for (output, spec) in observation.outputs.iter_mut().zip(&channels) {
-            let known = known.known(&spec.name);
-            output.noise = known.stated;
-            output.sample = known.sample;
-            output.noise_without_memory = known.without_memory;
-            output.held_step = known.held_step;
-        }
+        noise::Recording::new(scenario, measured, whole, every).add(&mut observation, &channels);
         let signals = signals::Signals::new(scenario, measured, &facts, recording.as_ref());
         let shortest_step_s = match &engine {
             Kind::Inverse { .. } | Kind::Steady(_) => 0.0,

@@ -1,17 +1,20 @@
 //! Noise of the outputs as it shows where no model is needed: repeated motion, standstill, and
 //! differences in time.
 
+mod carried;
 mod period;
 mod steps;
 
+use truecut_recording::ChannelSpec;
 use truecut_recording::measured::{Measured, MeasuredChannel};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::InverseModel;
 
+use self::carried::{Filter, carried};
 use self::period::period;
 pub(crate) use self::period::{cubic, weights};
 pub(crate) use self::steps::held_step;
-use crate::diagnose::{NoiseSample, NoiseSource};
+use crate::diagnose::{NoiseSample, NoiseSource, Observation};
 use crate::stats::{deviation, mean};
 
 /// Fewest samples of noise that say how large it is.
@@ -25,16 +28,14 @@ const CREEP: f64 = 1e-4;
 const RINGING: f64 = 4.0;
 /// Orders of differences in time: motion is smooth, so that high ones are noise alone.
 const DIFFERENCES: usize = 6;
-/// Part of what lies beyond a filter that counts as noise; the variance itself is uncertain.
-const BEYOND_FILTER: f64 = 1.1;
-/// Median of the square of a standard normal number: of χ² with one degree of freedom.
-const MEDIAN_OF_SQUARES: f64 = 0.454_936;
 
 /// What is known of an output's noise.
 #[derive(Default)]
-pub(super) struct Known {
+struct Known {
     /// Standard deviation as stated, carried through the filter.
     pub stated: Option<f64>,
+    /// Of its square, relative.
+    pub stated_error: f64,
     pub sample: Option<NoiseSample>,
     /// Standard deviation if the noise has no memory.
     pub without_memory: f64,
@@ -72,15 +73,36 @@ impl<'a> Recording<'a> {
         }
     }
 
+    /// Adds to each output, of these channels, what is known of its noise.
+    pub fn add(&self, observation: &mut Observation, channels: &[ChannelSpec]) {
+        for (output, spec) in observation.outputs.iter_mut().zip(channels) {
+            let known = self.known(&spec.name);
+            output.noise = known.stated;
+            output.noise_error = known.stated_error;
+            output.sample = known.sample;
+            output.noise_without_memory = known.without_memory;
+            output.held_step = known.held_step;
+        }
+    }
+
     /// Of the channel of this name.
-    pub fn known(&self, name: &str) -> Known {
+    fn known(&self, name: &str) -> Known {
         let find = |measured: &'a Measured| measured.outputs().find(|one| one.spec.name == name);
         let (Some(raw), Some(used)) = (find(self.raw), find(self.used)) else {
             return Known::default();
         };
         let share = self.share();
+        let filter = self.cutoff_hz().map(|hz| Filter {
+            cutoff: hz / self.raw.rate_hz(),
+            share,
+        });
+        let is_carried = filter.as_ref().is_some_and(|filter| filter.share < 1.0);
         Known {
-            stated: raw.noise.map(|noise| carried(noise, share, raw, used)),
+            stated: raw.noise.map(|noise| match &filter {
+                Some(filter) => carried(noise, filter, raw, used),
+                None => noise,
+            }),
+            stated_error: if is_carried { carried::ERROR } else { 0.0 },
             sample: (self.repeated(used)).or_else(|| self.resting(used)),
             without_memory: share * without_memory(&raw.values, &raw.valid),
             held_step: held_step(&raw.values, &raw.valid),
@@ -182,29 +204,6 @@ impl<'a> Recording<'a> {
     }
 }
 
-/// Noise that is stated is that of the samples of the file. White noise loses its part beyond the
-/// filter's cutoff; of noise with a memory less lies there, and how much does is measured, between
-/// the file's samples on what interpolation has left of it. By the median of the squares: of a
-/// jump, which friction makes at each reversal, and of a spike a filter leaves much, for a short
-/// time.
-fn carried(noise: f64, share: f64, raw: &MeasuredChannel, used: &MeasuredChannel) -> f64 {
-    if share >= 1.0 {
-        return noise;
-    }
-    let rows = raw.values.iter().zip(&used.values).zip(&used.valid);
-    let mut squares: Vec<f64> = rows
-        .filter(|(_, valid)| **valid)
-        .map(|((raw, used), _)| (raw - used).powi(2))
-        .collect();
-    let middle = squares.len() / 2;
-    if squares.is_empty() {
-        return share * noise;
-    }
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    let left = noise.powi(2) - BEYOND_FILTER * *median / (MEDIAN_OF_SQUARES * raw.white_kept);
-    (share * noise).max(left.max(0.0).sqrt())
-}
-
 /// Standard deviation of white noise on something smooth: the least of those by differences of
 /// several orders (`hall1990`), each of which takes what is left of the signal for noise.
 pub(crate) fn without_memory(values: &[f64], valid: &[bool]) -> f64 {
@@ -298,65 +297,6 @@ mod tests {
                 .collect();
             let found = without_memory(&values, &vec![true; 2000]) / 0.4;
             assert!((0.9..1.1).contains(&found), "{found}");
-        }
-    }
-
-    /// Noise with a memory on a motion whose friction jumps at each reversal, with some spikes:
-    /// what is carried through the filter is what the filter leaves of the noise.
-    #[test]
-    fn verify_stated_noise_beside_jumps_and_spikes() {
-        for seed in 0..20 {
-            let count = 3000;
-            let cutoff_hz = 4.0 + 0.2 * seed as f64;
-            let filter = InverseModel::filter_of(cutoff_hz, 200.0);
-            let drawn = noise(Colour::Ar1(0.9), count, seed);
-            let level = 0.4 / deviation(&drawn);
-            let noisy: Vec<f64> = drawn.iter().map(|n| level * n).collect();
-            let jumps = |k: usize| 3.0 * (0.007 * k as f64 + seed as f64).sin().signum();
-            let spikes = |k: usize| if k % 397 == 5 { 4.0 } else { 0.0 };
-            let rows = noisy.iter().enumerate();
-            let raw = channel(rows.map(|(k, n)| n + jumps(k) + spikes(k)).collect());
-            let used = channel(filter.zero_phase(&raw.values));
-            let share = InverseModel::white_share(cutoff_hz, 200.0);
-            let found = carried(0.4, share, &raw, &used);
-            let ratio = found / deviation(&filter.zero_phase(&noisy));
-            assert!((0.85..1.1).contains(&ratio), "seed {seed}: {ratio}");
-        }
-    }
-
-    /// Noise at stamps that come at another rate than the median's: between the samples there is
-    /// less of it, and the filter leaves what it leaves of noise at the samples: within what a
-    /// floor may be off, where it was 2.2 times too large.
-    #[test]
-    fn verify_stated_noise_between_samples() {
-        for (seed, colour) in (0..20).zip([Colour::White, Colour::Ar1(0.9)].into_iter().cycle()) {
-            let drawn = noise(colour, 4000, seed);
-            let size = deviation(&drawn);
-            // the fraction of an interval drifts through all
-            let shift = |k: usize| 0.003 * k as f64 * (1.0 + 0.05 * seed as f64);
-            let weights_at = |k: usize| weights(shift(k).fract());
-            let at = |k: usize| {
-                let first = k + shift(k) as usize;
-                (0..4)
-                    .map(|i| weights_at(k)[i] * drawn[first + i])
-                    .sum::<f64>()
-            };
-            let count = 3900;
-            let values: Vec<f64> = (0..count - 24).map(|k| at(k.min(count - 24))).collect();
-            let squares: Vec<f64> = (0..values.len())
-                .map(|k| weights_at(k).iter().map(|w| w * w).sum())
-                .collect();
-            let cutoff_hz = 4.0 + seed as f64;
-            let filter = InverseModel::filter_of(cutoff_hz, 200.0);
-            let raw = MeasuredChannel {
-                white_kept: mean(&squares),
-                ..channel(values)
-            };
-            let used = channel(filter.zero_phase(&raw.values));
-            let share = InverseModel::white_share(cutoff_hz, 200.0);
-            let found = carried(size, share, &raw, &used);
-            let ratio = found / deviation(&used.values);
-            assert!((0.8..1.3).contains(&ratio), "seed {seed}: {ratio}");
         }
     }
 

@@ -39,6 +39,7 @@ pub(super) fn observation(
             sample: None,
             noise_without_memory: 0.0,
             held_step: 0.0,
+            noise_error: 0.0,
         })
         .collect();
     let mut regressors: Vec<Regressor> = (measured.inputs())

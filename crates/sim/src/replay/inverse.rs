@@ -96,6 +96,11 @@ impl InverseModel {
         Butterworth::white_share(FILTER_ORDER, cutoff_hz, rate_hz)
     }
 
+    /// Gain of this filter; cutoff and frequency in cycles per sample, below a half.
+    pub fn filter_gain(cutoff: f64, cycles: f64) -> f64 {
+        Butterworth::zero_phase_gain(FILTER_ORDER, cutoff, cycles)
+    }
+
     /// Forces without effects, for the same motion and a robot with other masses and rotors; for
     /// [`InverseModel::predict_from`].
     ///
