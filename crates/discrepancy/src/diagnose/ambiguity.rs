@@ -16,7 +16,7 @@ use super::search::{DECISIVE, Outcome};
 use super::validate::compare;
 use crate::model::Columns;
 
-/// Another model with as many effects as the one chosen.
+/// Another model with as many effects as the one chosen, or with one that says what two do.
 #[derive(Debug, Clone)]
 pub(super) struct Rival {
     pub fit: Fit,
@@ -34,7 +34,8 @@ const NEAR_DEG: f64 = 6.0;
 /// criterion, which charges a model for its numbers.
 pub(super) const OVERWHELMING: f64 = 12.0;
 
-/// All rivals of the model chosen among these fits, closest first.
+/// All rivals of the model chosen among these fits and those that unite two of its effects, closest
+/// first.
 pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<Rival> {
     let chosen = &outcome.chosen;
     let here = criterion(problem, chosen, &outcome.orders);
@@ -42,7 +43,8 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
     let n = problem.split.development.len() as f64;
     let others = fits
         .iter()
-        .filter(|r| r.point.effects.len() == chosen.point.effects.len());
+        .filter(|r| r.point.effects.len() == chosen.point.effects.len())
+        .chain(&outcome.united);
     let mut rivals: Vec<Rival> = others
         .filter(|r| kinds(&r.point) != kinds(&chosen.point))
         .map(|rival| {

@@ -12,6 +12,7 @@ use super::problem::{Found, Point, Problem};
 use super::race::{Race, run};
 use super::screen::{Ranked, critical, rank};
 use super::signature::{Signature, signatures, tests};
+use super::unite::united;
 use super::{DiagnoseError, Stage};
 
 /// Where the search ended.
@@ -25,6 +26,8 @@ pub(super) struct Outcome {
     pub orders: Vec<usize>,
     /// Other models of as many effects that were fitted.
     pub rivals: Vec<Fit>,
+    /// Models of one effect less that say the same.
+    pub united: Vec<Fit>,
     /// Pairs of effects that were fitted to begin with.
     pub pairs: Vec<Fit>,
     /// And single effects.
@@ -92,6 +95,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         base,
         orders,
         rivals: Vec::new(),
+        united: Vec::new(),
         pairs: Vec::new(),
         singles: Vec::new(),
         ranking: Vec::new(),
@@ -129,7 +133,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
     if search.delays(&mut outcome)? && count(&outcome) < most {
         search.ascend(&mut outcome, most)?;
     }
-    search.unite(&mut outcome)?;
+    outcome.united = united(problem, &outcome);
     outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
     outcome.fits = search.fits;
     Ok(outcome)

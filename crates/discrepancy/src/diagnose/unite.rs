@@ -1,41 +1,30 @@
 //! One effect for two.
 
-use super::DiagnoseError;
 use super::choice::criterion;
 use super::fit::{Fit, fit};
 use super::problem::{Point, Problem};
-use super::search::{Outcome, Search, settled};
+use super::search::Outcome;
 
 /// What one effect may fall short of two, as minus twice a log-likelihood: where both say the same,
 /// their fits end within less.
 const AS_WELL: f64 = 1.0;
 
-impl Search<'_, '_> {
-    /// Takes one effect in place of two, one of which it holds as a limit, where it does as well
-    /// with no more numbers: dry friction beside a constant force is dry friction that differs
-    /// between the directions.
-    pub(super) fn unite(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
-        let problem = self.problem;
-        let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
-        let here = value(&outcome.chosen) + AS_WELL;
-        let united = (unions(problem, &outcome.chosen.point).into_iter())
-            .filter_map(|point| {
-                let rows = &problem.split.train;
-                fit(problem, point, rows, &outcome.orders, true).ok()
-            })
-            .filter(|one| one.converged && value(one) <= here)
-            .min_by(|a, b| value(a).total_cmp(&value(b)));
-        let Some(united) = united else {
-            return Ok(());
-        };
-        (outcome.chosen, outcome.orders) = settled(problem, united)?;
-        if outcome.chosen.point.effects.len() == 1 {
-            outcome.rivals.clone_from(&outcome.singles);
-        } else {
-            self.replace(outcome)?;
-        }
-        Ok(())
+/// Models with one effect in place of two, one of which it holds as a limit, that do as well with
+/// no more numbers: dry friction beside a constant force is dry friction that differs between the
+/// directions. None for more causes than are looked for one after the other.
+pub(super) fn united(problem: &Problem, outcome: &Outcome) -> Vec<Fit> {
+    let point = &outcome.chosen.point;
+    if point.effects.len() > problem.options.max_effects {
+        return Vec::new();
     }
+    let value = |fit: &Fit| criterion(problem, fit, &outcome.orders);
+    let here = value(&outcome.chosen) + AS_WELL;
+    let fits = unions(problem, point).into_iter().filter_map(|point| {
+        let rows = &problem.split.train;
+        fit(problem, point, rows, &outcome.orders, true).ok()
+    });
+    fits.filter(|one| one.converged && value(one) <= here)
+        .collect()
 }
 
 /// The point with one effect for two of it.
