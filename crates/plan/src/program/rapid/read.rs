@@ -19,11 +19,9 @@ const IDLE: &[&str] = &[
     "clkstart",
     "clkstop",
     "deactunit",
-    "exit",
     "gripload",
     "invertdo",
     "pulsedo",
-    "return",
     "setao",
     "setgo",
     "singarea",
@@ -78,6 +76,10 @@ pub(super) enum Instruction<'a> {
     },
     Output(&'a str, bool),
     Call(&'a str),
+    /// To the procedure that called this one.
+    Return,
+    /// The end of the program.
+    Exit,
 }
 
 pub(super) struct ModuleReader<'a> {
@@ -232,6 +234,13 @@ impl<'a> ModuleReader<'a> {
                     self.source.expect(&[";"])?;
                     Instruction::Output(signal, verb == "set")
                 }
+                end @ ("return" | "exit") => {
+                    self.source.expect(&[";"])?;
+                    match end {
+                        "return" => Instruction::Return,
+                        _ => Instruction::Exit,
+                    }
+                }
                 idle if IDLE.contains(&idle) => {
                     self.notes.add(line, format!("{word} is left aside"));
                     self.source.skip_past(";")?;
@@ -293,7 +302,10 @@ impl<'a> ModuleReader<'a> {
         self.source.expect(&[","])?;
         let tool = self.source.word("a tool")?;
         let mut base = "wobj0";
-        while self.source.take("\\") {
+        // A comma may stand before an optional argument.
+        while self.source.comes("\\") || self.source.comes(",") {
+            self.source.take(",");
+            self.source.expect(&["\\"])?;
             let line = self.source.line();
             let which = self.source.word("WObj or TLoad")?;
             self.source.expect(&[":="])?;

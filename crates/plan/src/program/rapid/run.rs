@@ -46,11 +46,12 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// Whether the program goes on behind it.
     pub fn run(
         &mut self,
         body: &[(Instruction<'a>, usize)],
         depth: usize,
-    ) -> Result<(), ProgramError> {
+    ) -> Result<bool, ProgramError> {
         for (instruction, line) in body {
             let done = match instruction {
                 Instruction::Move(text) => self.motion(text, *line),
@@ -65,6 +66,8 @@ impl<'a> Runner<'a> {
                         .push((before, (*signal).to_owned(), *on));
                     Ok(())
                 }
+                Instruction::Return => return Ok(true),
+                Instruction::Exit => return Ok(false),
                 Instruction::Call(name) => {
                     let called = |(known, _): &&(&str, _)| known.eq_ignore_ascii_case(name);
                     match self.reader.procedures.iter().find(called) {
@@ -78,7 +81,9 @@ impl<'a> Runner<'a> {
                             ))
                         }
                         Some((_, body)) => {
-                            self.run(body, depth + 1)?;
+                            if !self.run(body, depth + 1)? {
+                                return Ok(false);
+                            }
                             Ok(())
                         }
                     }
@@ -86,7 +91,7 @@ impl<'a> Runner<'a> {
             };
             done.map_err(|kind| ProgramError::in_file(self.reader.path, *line, kind))?;
         }
-        Ok(())
+        Ok(true)
     }
 
     fn motion(&mut self, text: &MoveText<'a>, line: usize) -> Result<(), ProgramErrorKind> {

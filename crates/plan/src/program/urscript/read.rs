@@ -24,7 +24,25 @@ const IDLE: &[&str] = &[
     "stopl",
     "stopj",
     "zero_ftsensor",
-    "halt",
+];
+/// What steers the program: what it leads to is not known before it runs.
+const CONTROL: &[&str] = &[
+    "if",
+    "elif",
+    "else",
+    "while",
+    "break",
+    "continue",
+    "return",
+    "def",
+    "thread",
+    "run",
+    "join",
+    "kill",
+    "switch",
+    "case",
+    "enter_critical",
+    "exit_critical",
 ];
 const SETTING: [&str; 3] = ["set_", "write_", "reset_"];
 const OUTPUTS: [&str; 2] = ["set_standard_digital_out", "set_digital_out"];
@@ -39,6 +57,8 @@ struct ScriptReader<'a> {
     notes: Notes,
     head: Program,
     steps: Vec<Step>,
+    /// Behind `halt`.
+    has_halted: bool,
 }
 
 /// Reads a script.
@@ -80,6 +100,7 @@ pub(super) fn read(
             notes: Vec::new(),
         },
         steps: Vec::new(),
+        has_halted: false,
     };
     reader.script()?;
     reader.head.notes = reader.notes.texts();
@@ -122,6 +143,18 @@ impl ScriptReader<'_> {
             self.source.expect(&[LINE_END])?;
             return Ok(false);
         }
+        if word == "halt" {
+            if self.source.take("(") {
+                self.source.expect(&[")"])?;
+            }
+            self.has_halted = true;
+            self.source.expect(&[LINE_END])?;
+            return Ok(true);
+        }
+        if CONTROL.contains(&word) {
+            let kind = ProgramErrorKind::not_read(word, "what branches, loops or runs beside");
+            return Err(self.fault(kind));
+        }
         if matches!(word, "global" | "local") {
             word = self.source.word("a name")?;
         }
@@ -153,6 +186,10 @@ impl ScriptReader<'_> {
             return Err(self.source.unexpected(WANTED));
         }
         let given = arguments(&mut self.source, &self.variables, 0)?;
+        if self.has_halted {
+            self.notes.add(line, "what stands behind halt is not run");
+            return Ok(());
+        }
         let done = match word {
             _ if moves => self.motion(word, &given, line),
             _ if OUTPUTS.contains(&word) => self.switch(&given, line),
@@ -246,6 +283,10 @@ impl ScriptReader<'_> {
             let rule = "0: a move is read by its speed";
             return Err(ProgramErrorKind::value("the time t", numbers["t"], rule));
         }
+        let mode = numbers.get("mode").copied().unwrap_or_default();
+        let rule = "0, evenly to the attitude of the end, or 1, with the tangent of the arc";
+        let is_known = mode == 0.0 || mode == 1.0;
+        ProgramErrorKind::unless(is_known, "the mode of movec", mode, rule)?;
         let (default, rule) = match verb {
             "movej" => (1.05, "above zero, in rad/s"),
             _ => (0.25, "above zero, in m/s"),
@@ -263,6 +304,7 @@ impl ScriptReader<'_> {
             path_point: Some(self.next_point),
             goal,
             via,
+            with_tangent: mode == 1.0,
             motion: match verb {
                 "movej" => Motion::Joint {
                     share: (speed / JOINT_TOP_RAD_PER_S).min(1.0),
