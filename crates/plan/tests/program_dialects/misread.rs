@@ -256,6 +256,17 @@ fn ls_frames_options_and_further_axes_are_not_overlooked() {
             quotes: &["UT of the position", "is 2"],
         },
     ]);
+    for (text, why) in [
+        ("IF R[1]=1,JMP LBL[2]", "branches"),
+        ("UTOOL[1]=PR[1]", "a frame of a register"),
+    ] {
+        let text = ls(&format!("1:  {text} ;\n2:J P[1] 10% FINE ;\n"), &[&first]);
+        are_refused(&[Refused {
+            files: &[("a.LS", &text)],
+            line: 8,
+            quotes: &["is not read", why],
+        }]);
+    }
     // Spaces about `=`, registers and pulses that no move uses.
     let free = ls(
         "1: UFRAME_NUM = 0 ;\n2: UTOOL_NUM = 1 ;\n3: PR[2]=LPOS ;\n4: DO[2]=PULSE,0.5sec ;\n5:J P[1] 10% FINE ;\n",
@@ -304,6 +315,40 @@ fn what_stands_behind_the_end_is_not_run() {
         line: 3,
         quotes: &["`if` is not read", "branches"],
     }]);
+}
+
+/// What no instruction says is told: which tool and base stand for it.
+#[test]
+fn a_tool_or_base_that_is_not_given_is_told() {
+    let script = "def job():\n  movej(p[0.9,0,0.7,0,3.14,0])\nend\n";
+    let source = "DEF job( )\nPTP {X 850,Y 0,Z 700,A 0,B 90,C 180}\nEND\n";
+    for (name, text, told) in [
+        ("job.script", script, "no set_tcp stands in the script"),
+        (
+            "job.src",
+            source,
+            "no $TOOL is selected; the robot's own tool",
+        ),
+        ("job.src", source, "no $BASE is selected; the base given"),
+    ] {
+        let notes = program(&[(name, text)]).notes;
+        assert!(notes.iter().any(|note| note.contains(told)), "{notes:?}");
+    }
+    let calculated = "def job():\n  z=0.7\n  movej(p[0.9,0,z+0.1,0,3.14,0])\nend\n";
+    let elsewhere = "MODULE Job\n  PROC main()\n    Elsewhere;\n  ENDPROC\nENDMODULE\n";
+    let (script, module) = ([("job.script", calculated)], [("job.mod", elsewhere)]);
+    are_refused(&[
+        Refused {
+            files: &script,
+            line: 3,
+            quotes: &["`z+0.1` is not read", "calculated"],
+        },
+        Refused {
+            files: &module,
+            line: 3,
+            quotes: &["`Elsewhere` is not read", "not in the module"],
+        },
+    ]);
 }
 
 /// With mode 1 the tool turns with the tangent of the arc, whatever the attitude of the end.
@@ -381,7 +426,8 @@ fn jobs_that_are_called_have_the_tool_of_the_moves_before() {
         "CALL JOB:Left_side-of-table\nCALL JOB:RIGHT\n",
     );
     let left = job("Left_side-of-table", 1, 0.0, move_);
-    let right = job("RIGHT", 1, 40.0, move_);
+    let beside = format!("SET B000 1\nMSG \"go\"\n{move_}");
+    let right = job("RIGHT", 1, 40.0, &beside);
     let read = program(&[
         ("MAIN.JBI", &main),
         ("Left_side-of-table.JBI", &left),

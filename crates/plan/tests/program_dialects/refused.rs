@@ -48,7 +48,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         2,
         &["the speed in m/s is 1e-320", "at least 1e-6"],
     ),
-    ("call.LS", 6, &["`CALL ../OTHER`", "UFRAME_NUM"]),
+    (
+        "call.LS",
+        6,
+        &["`CALL ../OTHER` is not read", "another program"],
+    ),
     ("missing_position.LS", 6, &["no P[2] to move to"]),
     ("timed.LS", 6, &["`2sec`", "mm/sec"]),
     ("two_groups.LS", 12, &["GP2", "one group"]),
@@ -69,7 +73,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         10,
         &["the share of the top speed is", "at least 1e-6"],
     ),
-    ("if.MOD", 11, &["`IF`", "MoveJ, MoveL"]),
+    ("if.MOD", 11, &["`IF` is not read", "branches or loops"]),
     (
         "far_circle.script",
         16,

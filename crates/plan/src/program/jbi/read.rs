@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::fields::{fields, missing, numbered, position_type, rconf, unexpected};
+use super::fields::{IDLE, fields, missing, numbered, position_type, rconf, unexpected};
 use super::job::{JbiCall, JbiJob, JbiMove, JbiPosition, JbiPositionValue};
 use super::{LAST_LEVEL, LAST_TOOL, Rconf, V_MM_PER_S, VJ_PERCENT, check_read_name};
 use crate::program::number::{finite, whole};
@@ -21,17 +21,6 @@ enum JobSection {
     Instructions,
     End,
 }
-
-/// Instructions that move nothing; they are left aside with a note.
-const IDLE: [&str; 7] = [
-    "TIMER ",
-    "WAIT ",
-    "PULSE ",
-    "AOUT ",
-    "PAUSE",
-    "NOP",
-    "CALL MACRO",
-];
 
 struct JobReader<'a> {
     job: JbiJob,

@@ -10,7 +10,7 @@ use super::inline::ACTUAL;
 use super::structures::{Declared, TYPES, declared, read_data, typed};
 use super::{SYNTAX, check_name};
 use crate::program::dialect::{Frames, ReadText, Settings};
-use crate::program::reading::{Notes, Step, follow};
+use crate::program::reading::{Goal, Notes, Step, follow};
 use crate::program::source::{LINE_END, Source};
 use crate::program::{Program, ProgramError, ProgramErrorKind, Tool};
 
@@ -115,6 +115,7 @@ pub(super) fn read(
         keeps_attitude: false,
     };
     reader.program()?;
+    reader.note_given();
     reader.head.notes = reader.notes.texts();
     follow(reader.head, reader.steps, robot, reader.path)
 }
@@ -158,6 +159,23 @@ impl KrlReader<'_> {
         self.source.expect(&["(", ")", LINE_END])?;
         while self.statement()? {}
         Ok(())
+    }
+
+    /// Frames that no instruction selects.
+    fn note_given(&mut self) {
+        let is_pose = |step: &&Step| !matches!(step.goal, Goal::Joints(_));
+        let Some(line) = self.steps.iter().find(is_pose).map(|step| step.line) else {
+            return;
+        };
+        for (word, what) in [
+            ("$TOOL", "the robot's own tool"),
+            ("$BASE", "the base given"),
+        ] {
+            if !self.selected.contains_key(word) {
+                self.notes
+                    .add(line, format!("no {word} is selected; {what} is taken"));
+            }
+        }
     }
 
     pub(super) fn fault(&self, kind: ProgramErrorKind) -> ProgramError {

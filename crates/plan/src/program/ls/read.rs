@@ -175,6 +175,22 @@ fn is_remark(text: &str) -> bool {
 }
 
 impl LsReader {
+    /// Refuses what leads elsewhere, and frames that the file does not hold.
+    fn is_within(text: &str) -> Result<(), ProgramErrorKind> {
+        let first = text.split([' ', '[', '=', '(']).next().unwrap_or_default();
+        let why = match first {
+            "IF" | "ELSE" | "ENDIF" | "JMP" | "SELECT" | "FOR" | "ENDFOR" => {
+                "what branches or loops"
+            }
+            "CALL" | "RUN" => "another program",
+            "UTOOL" | "UFRAME" => {
+                "a frame of a register: give it as the tool or the base, and leave the line out"
+            }
+            _ => return Ok(()),
+        };
+        Err(ProgramErrorKind::not_read(text, why))
+    }
+
     fn instruction(&mut self, text: &str, line: usize) -> Result<(), ProgramErrorKind> {
         let unexpected = || ProgramErrorKind::unexpected(text, WANTED);
         if text.is_empty() || is_remark(text) {
@@ -183,6 +199,7 @@ impl LsReader {
         if text.ends_with(" without `;`") {
             return Err(unexpected());
         }
+        Self::is_within(text)?;
         let set = text
             .split_once('=')
             .map(|(name, value)| (name.trim(), value));

@@ -35,8 +35,11 @@ const IDLE: &[&str] = &[
     "waittime",
     "waituntil",
 ];
-pub(super) const WANTED: &str =
-    "MoveJ, MoveL, MoveC, MoveAbsJ, ConfJ, ConfL, SetDO, a call or ENDPROC";
+/// What steers the program: what it leads to is not known before it runs.
+const CONTROL: &[&str] = &[
+    "if", "for", "while", "test", "goto", "error", "undo", "backward",
+];
+const WANTED: &str = "MoveJ, MoveL, MoveC, MoveAbsJ, ConfJ, ConfL, SetDO, a call or ENDPROC";
 
 /// A place as a move names it.
 pub(super) enum Place<'a> {
@@ -233,6 +236,10 @@ impl<'a> ModuleReader<'a> {
                     let signal = self.source.word("a signal")?;
                     self.source.expect(&[";"])?;
                     Instruction::Output(signal, verb == "set")
+                }
+                control if CONTROL.contains(&control) => {
+                    let kind = ProgramErrorKind::not_read(word, "what branches or loops");
+                    return Err(self.source.error(line, kind));
                 }
                 end @ ("return" | "exit") => {
                     self.source.expect(&[";"])?;

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use super::data::{Datum, Target, joints, speed, target, zone};
 use super::module::{RapidGoal, RapidModule, RapidMove};
-use super::read::{Instruction, ModuleReader, MoveText, Place, Verb, WANTED};
+use super::read::{Instruction, ModuleReader, MoveText, Place, Verb};
 use crate::program::source::Value;
 use crate::program::{ProgramError, ProgramErrorKind};
 
@@ -71,7 +71,10 @@ impl<'a> Runner<'a> {
                 Instruction::Call(name) => {
                     let called = |(known, _): &&(&str, _)| known.eq_ignore_ascii_case(name);
                     match self.reader.procedures.iter().find(called) {
-                        None => Err(ProgramErrorKind::unexpected(name, WANTED)),
+                        None => {
+                            let why = "a procedure that is not in the module";
+                            Err(ProgramErrorKind::not_read(name, why))
+                        }
                         Some(_) if depth == CALL_DEPTH => {
                             let rule = format!("at most {CALL_DEPTH}");
                             Err(ProgramErrorKind::value(

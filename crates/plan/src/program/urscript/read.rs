@@ -59,6 +59,7 @@ struct ScriptReader<'a> {
     steps: Vec<Step>,
     /// Behind `halt`.
     has_halted: bool,
+    has_tool: bool,
 }
 
 /// Reads a script.
@@ -101,6 +102,7 @@ pub(super) fn read(
         },
         steps: Vec::new(),
         has_halted: false,
+        has_tool: false,
     };
     reader.script()?;
     reader.head.notes = reader.notes.texts();
@@ -128,6 +130,10 @@ impl ScriptReader<'_> {
             self.source.expect(&[&name, "(", ")", LINE_END])?;
         }
         self.head.name = name;
+        if let (false, Some(step)) = (self.has_tool, self.steps.first()) {
+            let text = "no set_tcp stands in the script; the robot's own tool is taken";
+            self.notes.add(step.line, text);
+        }
         Ok(())
     }
 
@@ -208,6 +214,7 @@ impl ScriptReader<'_> {
                     return Err(ProgramErrorKind::value("the tool", "another", rule));
                 }
                 *tool = *tcp;
+                self.has_tool = true;
             }
             [Value::Number(mass_kg), rest @ ..] if *mass_kg > 0.0 => {
                 let centre_m = match rest.first() {
