@@ -1,6 +1,6 @@
-//! What controllers make of files in ways that are easily overlooked: frames by parameters of inline
-//! forms, ends of programs, options of moves. Each file is written in the style of the makers'
-//! documentation; what it says is read as said, or refused at its line.
+//! What controllers make of files in ways that are easily overlooked: frames by parameters of
+//! inline forms, ends of programs, options of moves. Each file is written in the style of the
+//! makers' documentation; what it says is read as said, or refused at its line.
 
 use nalgebra::Vector3;
 use truecut_plan::program::{Program, Zone};
@@ -277,7 +277,8 @@ fn ls_frames_options_and_further_axes_are_not_overlooked() {
     assert_eq!(read.tool.number, 1);
 }
 
-/// `RETURN` ends a procedure and `EXIT` the program; `halt` a script. What stands behind is not run.
+/// `RETURN` ends a procedure and `EXIT` the program; `halt` a script. What stands behind is not
+/// run.
 #[test]
 fn what_stands_behind_the_end_is_not_run() {
     let module = "MODULE Job\n  CONST robtarget p10:=[[900,0,700],[0,0,1,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n\
@@ -333,6 +334,20 @@ fn a_tool_or_base_that_is_not_given_is_told() {
     ] {
         let notes = program(&[(name, text)]).notes;
         assert!(notes.iter().any(|note| note.contains(told)), "{notes:?}");
+    }
+    // Blends that meet are passed, those that overlap make the controller skip a move.
+    for (blend_mm, overlaps) in [(10.0, false), (11.0, true)] {
+        let at = |y: f64| format!("p[0.9,{y},0.7,0,3.14,0], r={}", blend_mm * 1e-3);
+        let script = format!(
+            "def job():\n  set_tcp(p[0,0,0,0,0,0])\n  movel({})\n  movel({})\n  movel(p[0.9,0.1,0.7,0,3.14,0])\nend\n",
+            at(0.0),
+            at(0.021)
+        );
+        let notes = program(&[("job.script", &script)]).notes;
+        let is_told = notes
+            .iter()
+            .any(|note| note.contains("line 4: its blend overlaps"));
+        assert_eq!(is_told, overlaps, "{notes:?}");
     }
     let calculated = "def job():\n  z=0.7\n  movej(p[0.9,0,z+0.1,0,3.14,0])\nend\n";
     let elsewhere = "MODULE Job\n  PROC main()\n    Elsewhere;\n  ENDPROC\nENDMODULE\n";
@@ -401,7 +416,8 @@ fn movec_of_mode_1_turns_with_the_tangent() {
     }]);
 }
 
-/// A job of later controllers: a long name, a folder, local variables; with the place of one move.
+/// A job of later controllers: a long name, a folder, local variables; with the place of one
+/// move.
 fn job(name: &str, tool: u8, y: f64, instructions: &str) -> String {
     let count = usize::from(instructions.contains("C00000"));
     let place = match count {

@@ -130,11 +130,31 @@ impl ScriptReader<'_> {
             self.source.expect(&[&name, "(", ")", LINE_END])?;
         }
         self.head.name = name;
+        self.note_overlaps();
         if let (false, Some(step)) = (self.has_tool, self.steps.first()) {
             let text = "no set_tcp stands in the script; the robot's own tool is taken";
             self.notes.add(step.line, text);
         }
         Ok(())
+    }
+
+    /// Where blends of two points on lines overlap, the controller skips one of the moves.
+    fn note_overlaps(&mut self) {
+        let place = |step: &Step| match (&step.goal, step.zone) {
+            (Goal::Pose(pose, _) | Goal::Near(pose, _), Zone::Within(blend_m)) => {
+                Some((pose.translation.vector, blend_m))
+            }
+            _ => None,
+        };
+        for pair in self.steps.windows(2) {
+            let (Some((from, before)), Some((to, own))) = (place(&pair[0]), place(&pair[1])) else {
+                continue;
+            };
+            if pair[1].via.is_none() && before + own > (to - from).norm() {
+                let text = "its blend overlaps with that of the move before: the controller skips one of them";
+                self.notes.add(pair[1].line, text);
+            }
+        }
     }
 
     fn fault(&self, kind: ProgramErrorKind) -> ProgramError {
