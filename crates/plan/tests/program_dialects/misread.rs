@@ -428,7 +428,8 @@ fn job(name: &str, tool: u8, y: f64, instructions: &str) -> String {
     };
     format!(
         "/JOB\n//NAME {name}\n///FOLDERNAME PARTS\n//POS\n///NPOS {count},0,0,0,0,0\n///TOOL {tool}\n{place}//INST\n\
-         ///DATE 2026/01/31 12:00\n///ATTR SC,RW\n///GROUP1 RB1\n///LVARS 0,0,0,0,0,5,0,0\nNOP\n{instructions}END\n"
+         ///DATE 2026/01/31 12:00\n///ATTR SC,RW\n///GROUP1 RB1\n\
+         ///LVARS 0,0,0,0,0,5,0,0\nNOP\n{instructions}END\n"
     )
 }
 
