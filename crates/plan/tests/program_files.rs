@@ -266,7 +266,14 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ("flag_of_two.JBI", 8, &["flag of ///RCONF is 2", "0 or 1"]),
     ("too_fast.JBI", 19, &["V is 1500.1", "from 0.1 to 1500"]),
     ("circular.JBI", 19, &["`MOVC` stands where MOVJ, MOVL"]),
-    ("long_name.JBI", 2, &["\"POLISHING\"", "1 to 8 characters"]),
+    (
+        "long_name.JBI",
+        2,
+        &[
+            "\"POLISHING_OF_THE_HUB_OF_THE_WHEEL\"",
+            "1 to 32 characters",
+        ],
+    ),
     (
         "after_end.JBI",
         22,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Unit, UnitQuaternion};
 use rayon::prelude::*;
 use truecut_arm::{BranchOptions, FrameId, IkOptions, IkSolver, Robot};
 
@@ -35,6 +35,8 @@ pub(super) struct Step {
     pub goal: Goal,
     /// A point that a circle goes through on its way.
     pub via: Option<Isometry3<f64>>,
+    /// Whether the tool turns on a circle as its tangent does, whatever the attitude of the end.
+    pub with_tangent: bool,
     pub motion: Motion,
     pub zone: Zone,
     pub turntable_rad: Option<f64>,
@@ -204,7 +206,17 @@ fn chords(
                     "three points of a circle",
                 ))
             })?;
-            let turn_rad = from.rotation.angle_to(&to.rotation);
+            let turned = |share: f64| {
+                let axis = Unit::new_normalize(arc.spoke.cross(&arc.quarter));
+                UnitQuaternion::from_axis_angle(&axis, share * arc.turn_rad) * from.rotation
+            };
+            if step.with_tangent {
+                step.goal = Goal::Pose(Isometry3::from_parts(to.translation, turned(1.0)), None);
+            }
+            let turn_rad = match step.with_tangent {
+                true => arc.turn_rad,
+                false => from.rotation.angle_to(&to.rotation),
+            };
             let count = arc
                 .chords(CHORD_M)
                 .max((turn_rad / CHORD_RAD).ceil() as usize);
@@ -213,7 +225,10 @@ fn chords(
             ProgramErrorKind::unless_too_many(total).map_err(at)?;
             for k in 1..count {
                 let share = k as f64 / count as f64;
-                let turn = from.rotation.try_slerp(&to.rotation, share, 1e-9);
+                let turn = match step.with_tangent {
+                    true => Some(turned(share)),
+                    false => from.rotation.try_slerp(&to.rotation, share, 1e-9),
+                };
                 let place = arc.at(share).into();
                 let pose = Isometry3::from_parts(place, turn.unwrap_or(to.rotation));
                 all.push(Step {

@@ -162,3 +162,66 @@ fn blends_of_a_script_do_not_overlap() {
         .collect();
     assert_eq!(blends, ["0.000490)", "0.000490)", "0.003000)"]);
 }
+
+/// What each file says first, and that a load which is not known is told as such: none is made up.
+#[test]
+fn every_file_says_that_no_controller_loaded_it_and_a_load_is_none_of_ours() {
+    let (robot, mut program) = line(1, 1e-3, [0.0, 0.02, 0.05]);
+    let load = truecut_arm::ToolLoad {
+        mass_kg: 6.25,
+        centre_m: Vector3::new(0.01, 0.0, 0.12),
+    };
+    // Without a load, and with one: what stands in the files, and what must not.
+    let cases: [(&str, [&[&str]; 2], &[&str]); 5] = [
+        ("jbi", [&[], &[]], &["6.25"]),
+        (
+            "rapid",
+            [
+                &["is not known: load0", "[0.001,[0.000,0.000,1.000]"],
+                &["[6.250,[10.000,0.000,120.000]"],
+            ],
+            &[],
+        ),
+        (
+            "krl",
+            [
+                &["$LOAD={M -1,"],
+                &["$LOAD={M 6.250,CM {X 10.000,Y 0.000,Z 120.000"],
+            ],
+            &[],
+        ),
+        (
+            "urscript",
+            [
+                &["load is not known"],
+                &["set_payload(6.250, [0.010000, 0.000000, 0.120000])"],
+            ],
+            &[],
+        ),
+        ("ls", [&[], &[]], &["PAYLOAD", "6.25"]),
+    ];
+    for (name, wanted, never) in cases {
+        let dialect = dialect_named(name).expect(name);
+        let mut settings = Settings::default();
+        if name == "jbi" {
+            let date = serde_json::json!("2026-01-31 12:00");
+            settings.options.insert("date".to_owned(), date);
+        }
+        for (load, wanted) in [None, Some(load)].into_iter().zip(wanted) {
+            program.tool.load = load;
+            let files = dialect.write(&program, &robot, &settings).expect(name);
+            for file in &files {
+                let text = file.text.to_lowercase();
+                assert!(text.contains("not loaded on a controller"), "{}", file.name);
+            }
+            for quote in wanted {
+                assert!(files[0].text.contains(quote), "{quote}: {}", files[0].text);
+            }
+            for quote in never {
+                assert!(!files[0].text.contains(quote), "{quote}: {}", files[0].text);
+            }
+            let payload = files[0].text.contains("set_payload");
+            assert_eq!(payload, name == "urscript" && load.is_some());
+        }
+    }
+}

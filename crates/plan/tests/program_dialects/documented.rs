@@ -40,7 +40,7 @@ fn robot() -> Robot {
 }
 
 /// Reads files of which the first is the program.
-fn read(files: &[(&str, &str)], signal: &str) -> Result<Program, ProgramError> {
+pub(super) fn read(files: &[(&str, &str)], signal: &str) -> Result<Program, ProgramError> {
     let robot = robot();
     let main = Path::new(files[0].0);
     let text = |path: &Path| {
@@ -253,7 +253,7 @@ fn get_inverse_kin_takes_the_posture_nearest_to_qnear() {
     }
 }
 
-fn ls(body: &str, positions: &[&str]) -> String {
+pub(super) fn ls(body: &str, positions: &[&str]) -> String {
     let mut text = format!(
         "/PROG  JOB\n/ATTR\nOWNER\t\t= MNEDITOR;\nCOMMENT\t\t= \"\";\nDEFAULT_GROUP\t= 1,*,*,*,*;\n/APPL\n/MN\n{body}/POS\n"
     );
@@ -263,7 +263,7 @@ fn ls(body: &str, positions: &[&str]) -> String {
     text + "/END\n"
 }
 
-const NUT: &str = "CONFIG : 'N U T, 0, 0, 0',";
+pub(super) const NUT: &str = "CONFIG : 'N U T, 0, 0, 0',";
 
 #[test]
 fn ls_in_the_style_of_its_documentation() {
@@ -364,7 +364,7 @@ fn what_would_be_misread_is_refused() {
         ("d.LS", ls(frames, &[&rail]), 17, &["E1 is 100 mm", "in deg"]),
         ("e.src", job("PTP_REL {A1 10}"), 2, &["`PTP_REL` is not read", "from where the arm stands"]),
         ("f.src", job("XP1={X 1,Y 2,Z 3,A 0,B 0,C 0}\nXP1.X=XP1.X+10"), 3, &["`XP1.X` is not read", "calculated"]),
-        ("g.src", job("$BASE=BASE_DATA[1]\nPTP {A1 0,A2 0,A3 0,A4 0,A5 90,A6 0}\n$BASE=BASE_DATA[2]"), 4, &["$BASE is BASE_DATA[2]", "one frame"]),
+        ("g.src", job("$BASE=BASE_DATA[1]\nPTP {X 850,Y 0,Z 700,A 0,B 90,C 180}\n$BASE=BASE_DATA[2]"), 4, &["$BASE is BASE_DATA[2]", "one frame"]),
         ("h.src", job("MY_PART()"), 2, &["`MY_PART` is not read", "a subprogram"]),
         (
             "I.JBI",

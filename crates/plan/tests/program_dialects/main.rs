@@ -5,6 +5,7 @@
 mod assets;
 mod controllers;
 mod documented;
+mod misread;
 mod refused;
 
 use std::path::{Path, PathBuf};

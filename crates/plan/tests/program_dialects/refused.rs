@@ -10,7 +10,11 @@ use super::{assets, folder, read_with, sample};
 const FAULTS: &[(&str, usize, &[&str])] = &[
     ("loop.src", 4, &["`FOR`", "branches, loops"]),
     ("no_speed.src", 3, &["`LIN`", "$VEL.CP"]),
-    ("missing_position.src", 2, &["no XP1 to move to"]),
+    (
+        "missing_position.src",
+        2,
+        &["`XP1` is not read", "$config.dat"],
+    ),
     ("no_end.src", 2, &["ends here"]),
     ("subprogram.src", 3, &["`GRIND`", "a subprogram"]),
     ("four_axes.src", 2, &["has 4 fields", "6 are wanted"]),
@@ -18,7 +22,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ("no_z.src", 2, &["a position", "one with Z"]),
     ("circle_of_a_line.src", 4, &["the circle", "three points"]),
     ("unreachable.src", 4, &["path point 1", "reach"]),
-    ("while.script", 2, &["`while`", "movej, movel"]),
+    ("while.script", 2, &["`while` is not read", "loops"]),
     ("timed.script", 2, &["the time t is 2", "by its speed"]),
     ("unknown_name.script", 2, &["`home`", "a value before"]),
     (
@@ -44,7 +48,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         2,
         &["the speed in m/s is 1e-320", "at least 1e-6"],
     ),
-    ("call.LS", 6, &["`CALL ../OTHER`", "UFRAME_NUM"]),
+    (
+        "call.LS",
+        6,
+        &["`CALL ../OTHER` is not read", "another program"],
+    ),
     ("missing_position.LS", 6, &["no P[2] to move to"]),
     ("timed.LS", 6, &["`2sec`", "mm/sec"]),
     ("two_groups.LS", 12, &["GP2", "one group"]),
@@ -65,7 +73,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         10,
         &["the share of the top speed is", "at least 1e-6"],
     ),
-    ("if.MOD", 11, &["`IF`", "MoveJ, MoveL"]),
+    ("if.MOD", 11, &["`IF` is not read", "branches or loops"]),
     (
         "far_circle.script",
         16,
@@ -78,7 +86,7 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         &["the depth of calls is 17", "at most 16"],
     ),
     ("offset_of_nothing.MOD", 11, &["no p9 to move to"]),
-    ("call_up.JBI", 19, &["../OTHER", "A-Z, 0-9"]),
+    ("call_up.JBI", 19, &["../OTHER", "A-Z, a-z, 0-9"]),
     (
         "RECUR.JBI",
         20,

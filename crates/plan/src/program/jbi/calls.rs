@@ -23,6 +23,8 @@ pub(super) struct Calls<'a> {
     /// Jobs under way.
     stack: Vec<String>,
     count: usize,
+    /// Tool of the jobs that move.
+    tool: Option<u8>,
 }
 
 impl<'a> Calls<'a> {
@@ -38,6 +40,7 @@ impl<'a> Calls<'a> {
             read: BTreeMap::new(),
             stack: Vec::new(),
             count: 0,
+            tool: None,
         }
     }
 
@@ -70,6 +73,9 @@ impl<'a> Calls<'a> {
         let is_new = |note: &&String| !whole.notes.contains(note);
         let notes: Vec<String> = own.notes.iter().filter(is_new).cloned().collect();
         whole.notes.extend(notes);
+        if !own.moves.is_empty() {
+            whole.tool.number = *self.tool.get_or_insert(own.tool.number);
+        }
         let (mut moves, mut outputs) = (0, 0);
         for call in &job.calls {
             self.piece(
@@ -89,7 +95,7 @@ impl<'a> Calls<'a> {
                 })?;
             ProgramErrorKind::unless_too_many(whole.moves.len() + called.1.moves.len())
                 .map_err(at)?;
-            whole.tool.number = called.1.tool.number;
+            self.same_tool(&called.1).map_err(at)?;
             self.stack.push(call.name.to_uppercase());
             self.add(&called.0, &called.1, whole)?;
             self.stack.pop();
@@ -97,6 +103,16 @@ impl<'a> Calls<'a> {
         let ends = [own.moves.len(), job.outputs.len()];
         self.piece(job, own, [moves, ends[0]], [outputs, ends[1]], whole);
         Ok(())
+    }
+
+    /// As in one job, positions of a second tool are not read.
+    fn same_tool(&self, called: &Program) -> Result<(), ProgramErrorKind> {
+        let Some(tool) = self.tool.filter(|_| !called.moves.is_empty()) else {
+            return Ok(());
+        };
+        let (what, found) = ("///TOOL of the job that is called", called.tool.number);
+        let rule = format!("{tool}, as of the moves before: one tool is read");
+        ProgramErrorKind::unless(found == tool, what, found, rule)
     }
 
     /// Adds moves and outputs of a job between two of its calls.

@@ -24,8 +24,10 @@ pub use dialect::{DIALECT, Jbi};
 pub use job::{JbiCall, JbiJob, JbiMove, JbiPosition, JbiPositionValue};
 pub use write::write;
 
-/// Longest job name and comment, characters.
+/// Longest name of a job that is written, and of those of later controllers that is read; longest
+/// comment, characters.
 const NAME_CHARS: usize = 8;
+const READ_NAME_CHARS: usize = 32;
 const COMMENT_CHARS: usize = 32;
 /// Largest number of a tool.
 const LAST_TOOL: u8 = 23;
@@ -233,6 +235,14 @@ fn check_name(name: &str) -> Result<(), ProgramErrorKind> {
     let good = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '-' || c == '_';
     let fits = !name.is_empty() && name.len() <= NAME_CHARS && name.chars().all(good);
     let rule = format!("1 to {NAME_CHARS} characters, each of A-Z, 0-9, `-` or `_`");
+    ProgramErrorKind::unless(fits, "the job name", format!("\"{name}\""), rule)
+}
+
+/// Names that are read: longer ones and small letters, too.
+fn check_read_name(name: &str) -> Result<(), ProgramErrorKind> {
+    let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    let fits = !name.is_empty() && name.len() <= READ_NAME_CHARS && name.chars().all(good);
+    let rule = format!("1 to {READ_NAME_CHARS} characters, each of A-Z, a-z, 0-9, `-` or `_`");
     ProgramErrorKind::unless(fits, "the job name", format!("\"{name}\""), rule)
 }
 

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::fields::{fields, missing, numbered, position_type, rconf, unexpected};
+use super::fields::{IDLE, fields, missing, numbered, position_type, rconf, unexpected};
 use super::job::{JbiCall, JbiJob, JbiMove, JbiPosition, JbiPositionValue};
-use super::{LAST_LEVEL, LAST_TOOL, Rconf, V_MM_PER_S, VJ_PERCENT, check_name};
+use super::{LAST_LEVEL, LAST_TOOL, Rconf, V_MM_PER_S, VJ_PERCENT, check_read_name};
 use crate::program::number::{finite, whole};
 use crate::program::reading::Notes;
 use crate::program::{Motion, ProgramError, ProgramErrorKind};
@@ -21,17 +21,6 @@ enum JobSection {
     Instructions,
     End,
 }
-
-/// Instructions that move nothing; they are left aside with a note.
-const IDLE: [&str; 7] = [
-    "TIMER ",
-    "WAIT ",
-    "PULSE ",
-    "AOUT ",
-    "PAUSE",
-    "NOP",
-    "CALL MACRO",
-];
 
 struct JobReader<'a> {
     job: JbiJob,
@@ -102,11 +91,12 @@ impl<'a> JobReader<'a> {
             JobSection::Name => {
                 let name = line.strip_prefix("//NAME ");
                 let name = name.ok_or_else(|| unexpected(line, "//NAME"))?.trim();
-                check_name(name)?;
+                check_read_name(name)?;
                 name.clone_into(&mut self.job.name);
                 self.section = JobSection::Pos;
                 Ok(())
             }
+            JobSection::Pos if line.starts_with("///FOLDERNAME") => Ok(()),
             JobSection::Pos => self.marker(line, "//POS", JobSection::Positions),
             JobSection::Positions => self.in_positions(line),
             JobSection::Head => self.instruction_head(line),
@@ -151,6 +141,8 @@ impl<'a> JobReader<'a> {
                 let rule = format!("from 0 to {LAST_TOOL}");
                 ProgramErrorKind::unless(self.job.tool <= LAST_TOOL, "///TOOL", rest, rule)?;
             }
+            // The frame of positions of the type USER, which are refused by their type.
+            "///USER" => {}
             "///POSTYPE" => self.kind = Some(position_type(rest.trim())?),
             "///RECTAN" | "///PULSE" => {
                 let fits = self.kind == Some(if word == "///PULSE" { "PULSE" } else { "BASE" });
@@ -229,7 +221,7 @@ impl<'a> JobReader<'a> {
             "///COMM" => {
                 rest.clone_into(&mut self.job.comment);
             }
-            "///DATE" | "///ATTR" | "///GROUP1" | "///GROUP2" => {}
+            "///DATE" | "///ATTR" | "///GROUP1" | "///GROUP2" | "///LVARS" => {}
             _ => {
                 return Err(unexpected(
                     line,
@@ -246,7 +238,7 @@ impl<'a> JobReader<'a> {
         } else if let Some(point) = line.strip_prefix("'POINT ") {
             self.next_point = whole(point, "the path point")?;
         } else if let Some(name) = line.strip_prefix("CALL JOB:") {
-            check_name(name)?;
+            check_read_name(name)?;
             self.job.calls.push(JbiCall {
                 line: self.line,
                 name: name.to_owned(),

@@ -4,6 +4,7 @@
 //! millimetres with three decimals and degrees with four.
 
 mod dialect;
+mod inline;
 mod motion;
 mod read;
 mod settings;

@@ -23,9 +23,13 @@ impl KrlReader<'_> {
             return Ok((String::new(), numbers(&mut self.source)?));
         }
         let name = self.source.word("a position")?.to_uppercase();
-        match self.positions.get(&name) {
+        match self.declared.places.get(&name) {
             Some(known) => Ok((name, known.clone())),
-            None => Err(self.fault(ProgramErrorKind::MissingPosition { name })),
+            None => {
+                let why = "a place that neither the .src nor the .dat holds: what stands in \
+                           $config.dat must be declared in the .dat";
+                Err(self.fault(ProgramErrorKind::not_read(&name, why)))
+            }
         }
     }
 
@@ -67,6 +71,10 @@ impl KrlReader<'_> {
             }
         };
         let goal = self.goal(&target).map_err(|kind| self.fault(kind))?;
+        if verb != "PTP" {
+            self.check_attitude(&goal, line)?;
+        }
+        self.further_axes(&target, line)?;
         ProgramErrorKind::unless_too_many(self.steps.len() + 1)
             .map_err(|kind| self.source.error(line, kind))?;
         self.steps.push(Step {
@@ -74,6 +82,7 @@ impl KrlReader<'_> {
             path_point: name.strip_prefix("XP").and_then(|n| n.parse().ok()),
             goal,
             via,
+            with_tangent: false,
             motion,
             zone: match (passes, self.zone_m) {
                 (false, _) => Zone::Stop,
@@ -82,6 +91,21 @@ impl KrlReader<'_> {
             },
             turntable_rad: target.get("E1").map(|deg| deg.to_radians()),
         });
+        Ok(())
+    }
+
+    /// Of the further axes E1 is read, as a turntable.
+    fn further_axes(&mut self, target: &Numbers, line: usize) -> Result<(), ProgramError> {
+        for axis in ["E2", "E3", "E4", "E5", "E6"] {
+            let value = target.get(axis).copied().unwrap_or_default();
+            let rule = "0: of further axes a turntable is read, as E1";
+            ProgramErrorKind::unless(value == 0.0, axis, value, rule)
+                .map_err(|kind| self.source.error(line, kind))?;
+        }
+        if target.get("E1").is_some_and(|value| *value != 0.0) {
+            let text = "E1 is read as a turntable in degrees; a track in mm is not read";
+            self.notes.add(line, text);
+        }
         Ok(())
     }
 
@@ -99,11 +123,18 @@ impl KrlReader<'_> {
         Ok(found)
     }
 
-    /// What a spline's move sets for itself, up to its zone: of that the speed is read.
+    /// What a spline's move sets for itself, up to its zone: of that the speed, the frames and how
+    /// the tool turns are read.
     fn with(&mut self, found: &mut Endings, line: usize) -> Result<(), ProgramError> {
-        self.notes.add(line, "WITH is left aside but for its speed");
+        self.notes.add(
+            line,
+            "WITH is left aside but for its speed, frames and attitude",
+        );
         while !(self.source.comes("C_SPL") || self.source.comes(LINE_END)) {
             let word = self.source.take_word().unwrap_or_default().to_uppercase();
+            if self.with_part(&word, line)? || self.with_frame(&word, line)? {
+                continue;
+            }
             let is_named = match word.as_str() {
                 "SVEL_CP" | "SVEL_JOINT" => self.source.take("("),
                 "$VEL.CP" => self.source.take("="),
@@ -120,6 +151,32 @@ impl KrlReader<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A frame or a mode that WITH gives by itself; what functions give comes after.
+    fn with_frame(&mut self, word: &str, line: usize) -> Result<bool, ProgramError> {
+        if !matches!(word, "$TOOL" | "$BASE" | "$IPO_MODE" | "$ORI_TYPE") {
+            return Ok(false);
+        }
+        self.source.expect(&["="])?;
+        let functions = ["STOOL", "STOOL2", "SBASE", "SIPO_MODE", "SORI_TYP"];
+        if functions.iter().any(|name| self.source.comes(name)) {
+            return Ok(true);
+        }
+        if matches!(word, "$TOOL" | "$BASE") {
+            if self.source.comes("EK") {
+                let why = "a base that another kinematic system moves";
+                return Err(self.fault(ProgramErrorKind::not_read("EK", why)));
+            }
+            self.frame_value(word, line)?;
+            return Ok(true);
+        }
+        let value = self.source.word("a word that begins by #")?.to_uppercase();
+        match word {
+            "$IPO_MODE" => self.guides(word, &value, line)?,
+            _ => self.turns(word, &value, line)?,
+        }
+        Ok(true)
     }
 
     fn goal(&self, target: &Numbers) -> Result<Goal, ProgramErrorKind> {

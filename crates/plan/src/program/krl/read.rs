@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use nalgebra::Isometry3;
 use truecut_arm::Robot;
 
-use super::structures::{Numbers, TYPES, declared, read_data, typed};
+use super::inline::ACTUAL;
+use super::structures::{Declared, TYPES, declared, read_data, typed};
 use super::{SYNTAX, check_name};
 use crate::program::dialect::{Frames, ReadText, Settings};
-use crate::program::reading::{Notes, Step, follow};
+use crate::program::reading::{Goal, Notes, Step, follow};
 use crate::program::source::{LINE_END, Source};
 use crate::program::{Program, ProgramError, ProgramErrorKind, Tool};
 
@@ -38,7 +39,7 @@ const CONTROL: &[&str] = &[
 pub(super) struct KrlReader<'a> {
     pub source: Source<'a>,
     path: &'a Path,
-    pub positions: BTreeMap<String, Numbers>,
+    pub declared: Declared,
     pub output: Option<u32>,
     pub dof: usize,
     pub notes: Notes,
@@ -46,11 +47,13 @@ pub(super) struct KrlReader<'a> {
     pub steps: Vec<Step>,
     /// Of tool and base, where the files do not hold them.
     pub given: [Isometry3<f64>; 2],
-    /// Frames that the files do not hold, by what they are for.
-    pub missing: BTreeMap<String, String>,
+    /// Frames that are selected, by what they are for: the name, and whether the files hold it.
+    pub selected: BTreeMap<String, (String, bool)>,
     pub speed_m_per_s: Option<f64>,
     pub share: Option<f64>,
     pub zone_m: Option<f64>,
+    /// Whether lines keep the attitude of their start (`$ORI_TYPE=#CONSTANT`).
+    pub keeps_attitude: bool,
 }
 
 /// Reads the `.src` beside the file, and the `.dat` beside it if there is one.
@@ -76,9 +79,9 @@ pub(super) fn read(
         .map_err(|error| ProgramError::in_file(&source_file, None, error.into()))?;
     let source = without_heads(&source);
     let data_file = beside(&source_file, "dat");
-    let mut positions = BTreeMap::new();
+    let mut known = Declared::default();
     match text(&data_file) {
-        Ok(data) => read_data(&without_heads(&data), &data_file, &mut positions)?,
+        Ok(data) => read_data(&without_heads(&data), &data_file, &mut known)?,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
         Err(error) => return Err(ProgramError::in_file(&data_file, None, error.into())),
     }
@@ -87,7 +90,7 @@ pub(super) fn read(
     let mut reader = KrlReader {
         source: Source::new(&source, &source_file, &SYNTAX),
         path: &source_file,
-        positions,
+        declared: known,
         output,
         dof: robot.dof(),
         notes: Notes::default(),
@@ -105,12 +108,14 @@ pub(super) fn read(
         },
         steps: Vec::new(),
         given: [frames.tool.flange_from_tool, frames.world_from_base],
-        missing: BTreeMap::new(),
+        selected: BTreeMap::new(),
         speed_m_per_s: None,
         share: None,
         zone_m: None,
+        keeps_attitude: false,
     };
     reader.program()?;
+    reader.note_given();
     reader.head.notes = reader.notes.texts();
     follow(reader.head, reader.steps, robot, reader.path)
 }
@@ -156,6 +161,23 @@ impl KrlReader<'_> {
         Ok(())
     }
 
+    /// Frames that no instruction selects.
+    fn note_given(&mut self) {
+        let is_pose = |step: &&Step| !matches!(step.goal, Goal::Joints(_));
+        let Some(line) = self.steps.iter().find(is_pose).map(|step| step.line) else {
+            return;
+        };
+        for (word, what) in [
+            ("$TOOL", "the robot's own tool"),
+            ("$BASE", "the base given"),
+        ] {
+            if !self.selected.contains_key(word) {
+                self.notes
+                    .add(line, format!("no {word} is selected; {what} is taken"));
+            }
+        }
+    }
+
     pub(super) fn fault(&self, kind: ProgramErrorKind) -> ProgramError {
         self.source.error(self.source.last_line(), kind)
     }
@@ -173,6 +195,21 @@ impl KrlReader<'_> {
             "BAS" => self.bas(line)?,
             "$VEL" | "$APO" | "$VEL.CP" | "$APO.CDIS" => self.setting(&upper, line)?,
             "$TOOL" | "$BASE" => self.frame(&upper, line)?,
+            "$IPO_MODE" | "$ORI_TYPE" => {
+                self.source.expect(&["="])?;
+                let value = self.source.word("a word that begins by #")?.to_uppercase();
+                match upper.as_str() {
+                    "$IPO_MODE" => self.guides(&upper, &value, line)?,
+                    _ => self.turns(&upper, &value, line)?,
+                }
+            }
+            _ if upper.starts_with("$TOOL.") || upper.starts_with("$BASE.") => {
+                let why = "a part of a frame: give the frame whole";
+                return Err(self.fault(ProgramErrorKind::not_read(word, why)));
+            }
+            _ if ACTUAL.contains(&upper.as_str()) && self.source.comes("=") => {
+                self.actual(&upper, line)?;
+            }
             "$LOAD" => {
                 self.source.expect(&["="])?;
                 if self.source.comes("{") {
@@ -188,12 +225,12 @@ impl KrlReader<'_> {
                 self.percent()?;
             }
             "$OUT" => self.output(line)?,
-            "DECL" => return declared(&mut self.source, &mut self.positions).map(|()| true),
+            "DECL" => return declared(&mut self.source, &mut self.declared).map(|()| true),
             "GLOBAL" if !self.source.comes("INTERRUPT") => {
-                return declared(&mut self.source, &mut self.positions).map(|()| true);
+                return declared(&mut self.source, &mut self.declared).map(|()| true);
             }
             _ if TYPES.contains(&upper.as_str()) => {
-                return typed(&mut self.source, &upper, &mut self.positions).map(|()| true);
+                return typed(&mut self.source, &upper, &mut self.declared).map(|()| true);
             }
             _ if IDLE.contains(&upper.as_str()) => self.aside(line, &upper)?,
             _ if CONTROL.contains(&upper.as_str()) => {

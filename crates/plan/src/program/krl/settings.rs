@@ -3,9 +3,11 @@
 use nalgebra::{Isometry3, Vector3};
 use truecut_arm::ToolLoad;
 
+use super::inline::ACTUAL;
 use super::read::KrlReader;
 use super::structures::{numbers, place_inside, pose};
 use crate::program::number::{finite, whole};
+use crate::program::reading::{Goal, Step};
 use crate::program::source::LINE_END;
 use crate::program::{ProgramError, ProgramErrorKind, SpindleSwitch};
 
@@ -15,8 +17,22 @@ impl KrlReader<'_> {
         let what = self.source.word("a command of BAS")?.to_uppercase();
         let given = self.source.take(",");
         match what.as_str() {
-            "#VEL_PTP" | "#PTP_VEL" | "#PTP_PARAMS" if given => self.percent()?,
-            "#VEL_CP" | "#CP_PARAMS" if given => self.speed()?,
+            "#VEL_PTP" | "#PTP_VEL" if given => self.percent()?,
+            "#PTP_PARAMS" if given => {
+                self.take_actual(false, line)?;
+                self.percent()?;
+            }
+            "#VEL_CP" if given => self.speed()?,
+            "#CP_PARAMS" if given => {
+                self.take_actual(true, line)?;
+                self.speed()?;
+            }
+            "#FRAMES" => {
+                self.take_actual(false, line)?;
+                if given {
+                    self.source.word("its argument")?;
+                }
+            }
             "#TOOL" | "#BASE" if given => {
                 let number = self.source.word("the frame's number")?.to_owned();
                 let name = format!("{}_DATA[{number}]", &what[1..]);
@@ -87,9 +103,16 @@ impl KrlReader<'_> {
 
     pub(super) fn frame(&mut self, word: &str, line: usize) -> Result<(), ProgramError> {
         self.source.expect(&["="])?;
+        self.frame_value(word, line)
+    }
+
+    /// A frame in place or by its name.
+    pub(super) fn frame_value(&mut self, word: &str, line: usize) -> Result<(), ProgramError> {
         if self.source.comes("{") {
             let all = numbers(&mut self.source)?;
             let value = pose(&all).map_err(|kind| self.fault(kind))?;
+            let here = ("a frame in place".to_owned(), true);
+            self.selected.insert(word.to_owned(), here);
             return self.set_frame(word, value, line);
         }
         let name = self.source.word("a frame")?.to_uppercase();
@@ -98,28 +121,39 @@ impl KrlReader<'_> {
     }
 
     /// A frame by its name: `$NULLFRAME`, which tool and base 0 are, or one that the files give.
-    fn select(&mut self, word: &str, name: &str, line: usize) -> Result<(), ProgramError> {
-        let value = match self.positions.get(name) {
-            Some(known) => pose(known).map_err(|kind| self.fault(kind))?,
-            None if name == "$NULLFRAME" || name.ends_with("_DATA[0]") => Isometry3::identity(),
-            None => {
-                let ([tool, base], moves) = (self.given, !self.steps.is_empty());
-                let (what, given) = match word {
-                    "$TOOL" => ("the robot's own tool", tool),
-                    _ => ("the base given", base),
-                };
-                let text = format!("{name} is not in the files; {what} is taken");
-                // Two of them would be one.
-                let other = self.missing.insert(word.to_owned(), name.to_owned());
-                if let Some(other) = other.filter(|other| moves && other != name) {
-                    let rule = format!("{other}, as before: one frame is given for it");
-                    let kind = ProgramErrorKind::value(word, name, rule);
-                    return Err(self.source.error(line, kind));
-                }
-                self.notes.add(line, text);
-                given
+    pub(super) fn select(
+        &mut self,
+        word: &str,
+        name: &str,
+        line: usize,
+    ) -> Result<(), ProgramError> {
+        let found = match self.declared.places.get(name) {
+            Some(known) => Some(pose(known).map_err(|kind| self.fault(kind))?),
+            None if name == "$NULLFRAME" || name.ends_with("_DATA[0]") => {
+                Some(Isometry3::identity())
             }
+            None => None,
         };
+        let now = (name.to_owned(), found.is_some());
+        let before = self.selected.insert(word.to_owned(), now);
+        // One given frame would stand for two.
+        let other = before.filter(|(other, known)| other != name && !(*known && found.is_some()));
+        if let (true, Some((other, _))) = (self.has_poses(), other) {
+            let rule =
+                format!("{other}, as before: one frame is given for what is not in the files");
+            let kind = ProgramErrorKind::value(word, name, rule);
+            return Err(self.source.error(line, kind));
+        }
+        let value = found.unwrap_or_else(|| {
+            let ([tool, base], what) = (self.given, ["the robot's own tool", "the base given"]);
+            let (what, given) = match word {
+                "$TOOL" => (what[0], tool),
+                _ => (what[1], base),
+            };
+            let text = format!("{name} is not in the files; {what} is taken");
+            self.notes.add(line, text);
+            given
+        });
         self.set_frame(word, value, line)
     }
 
@@ -129,11 +163,12 @@ impl KrlReader<'_> {
         value: Isometry3<f64>,
         line: usize,
     ) -> Result<(), ProgramError> {
+        let has_poses = self.has_poses();
         let (place, moved) = match word {
             "$TOOL" => (&mut self.head.tool.flange_from_tool, "tool"),
             _ => (&mut self.head.world_from_base, "base"),
         };
-        if !self.steps.is_empty() && *place != value {
+        if has_poses && *place != value {
             let rule = "that of the moves before: one is read";
             let kind = ProgramErrorKind::value(format!("the {moved}"), "another", rule);
             return Err(self.source.error(line, kind));
@@ -142,8 +177,14 @@ impl KrlReader<'_> {
         Ok(())
     }
 
+    /// Whether a move before goes to a pose: axes stand where they stand in any frame.
+    fn has_poses(&self) -> bool {
+        let is_pose = |step: &Step| !matches!(step.goal, Goal::Joints(_));
+        self.steps.iter().any(is_pose)
+    }
+
     /// `NAME`, or `NAME[3]`.
-    fn indexed(&mut self, name: String) -> Result<String, ProgramError> {
+    pub(super) fn indexed(&mut self, name: String) -> Result<String, ProgramError> {
         if !self.source.take("[") {
             return Ok(name);
         }
@@ -158,15 +199,27 @@ impl KrlReader<'_> {
 
     /// A position or frame given anew; anything else moves nothing, and is left aside.
     pub(super) fn assignment(&mut self, name: &str, line: usize) -> Result<(), ProgramError> {
-        let name = self.indexed(name.to_owned())?;
+        let mut name = self.indexed(name.to_owned())?;
+        if let (false, Some(part)) = (self.source.comes("="), self.source.take_word()) {
+            // `BASE_DATA[1].X`.
+            name.push_str(&part.to_uppercase());
+        }
         let owner = name.split('.').next().unwrap_or_default().to_owned();
         if !self.source.take("=") {
             return self.aside(line, &name);
         }
-        let known = self.positions.contains_key(&owner);
+        let known = self.declared.places.contains_key(&owner);
+        let frames = ["BASE_DATA[", "TOOL_DATA["];
+        let is_frame = frames.iter().any(|begin| owner.starts_with(begin));
+        let is_parameter =
+            ACTUAL.contains(&owner.as_str()) || self.declared.parameters.contains_key(&owner);
+        if owner != name && (is_parameter || is_frame && !known) {
+            let why = "a part of what is not in the files whole";
+            return Err(self.fault(ProgramErrorKind::not_read(&name, why)));
+        }
         if self.source.take("{") {
             match place_inside(&mut self.source)? {
-                Some(place) => drop(self.positions.insert(name, place)),
+                Some(place) => drop(self.declared.places.insert(name, place)),
                 None if known => return Err(self.source.unexpected("a place")),
                 // Of inline forms: PDAT_ACT, FDAT_ACT, LDAT_ACT and the like.
                 None => self.aside(line, &name)?,
@@ -187,8 +240,8 @@ impl KrlReader<'_> {
                 false => self.aside(line, &name),
             };
         }
-        if let (Some(other), true) = (self.positions.get(&source).cloned(), owner == name) {
-            self.positions.insert(name, other);
+        if let (Some(other), true) = (self.declared.places.get(&source).cloned(), owner == name) {
+            self.declared.places.insert(name, other);
             return Ok(());
         }
         match (known, name.split_once('.')) {
@@ -196,7 +249,7 @@ impl KrlReader<'_> {
                 let Ok(value) = finite(&word, part) else {
                     return Err(self.fault(calculated(&name)));
                 };
-                let place = self.positions.entry(owner).or_default();
+                let place = self.declared.places.entry(owner).or_default();
                 place.insert(part.to_owned(), value);
             }
             (true, None) => {

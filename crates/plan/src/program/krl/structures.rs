@@ -6,6 +6,7 @@ use std::path::Path;
 use nalgebra::Isometry3;
 
 use super::SYNTAX;
+use super::inline::{PARAMETERS, Words, words};
 use crate::program::euler::pose_of;
 use crate::program::number::finite;
 use crate::program::source::{LINE_END, Source};
@@ -14,19 +15,23 @@ use crate::program::{ProgramError, ProgramErrorKind};
 /// A structure of numbers: components by name.
 pub(super) type Numbers = BTreeMap<String, f64>;
 
+/// What the files declare, by name.
+#[derive(Default)]
+pub(super) struct Declared {
+    pub places: BTreeMap<String, Numbers>,
+    pub parameters: BTreeMap<String, Words>,
+}
+
 /// Types of places.
 const PLACES: [&str; 5] = ["E6POS", "E6AXIS", "POS", "FRAME", "AXIS"];
 /// Types that a declaration may begin with.
-pub(super) const TYPES: [&str; 10] = [
-    "E6POS", "E6AXIS", "POS", "FRAME", "AXIS", "INT", "REAL", "BOOL", "CHAR", "STRUC",
+pub(super) const TYPES: [&str; 12] = [
+    "E6POS", "E6AXIS", "POS", "FRAME", "AXIS", "INT", "REAL", "BOOL", "CHAR", "STRUC", "FDAT",
+    "LDAT",
 ];
 
 /// Positions of a `.dat`.
-pub(super) fn read_data(
-    text: &str,
-    path: &Path,
-    positions: &mut BTreeMap<String, Numbers>,
-) -> Result<(), ProgramError> {
+pub(super) fn read_data(text: &str, path: &Path, known: &mut Declared) -> Result<(), ProgramError> {
     let mut source = Source::new(text, path, &SYNTAX);
     let wanted = "DEFDAT, declarations or ENDDAT";
     let mut begun = false;
@@ -36,11 +41,11 @@ pub(super) fn read_data(
             "DEFDAT" => begun = true,
             "ENDDAT" if begun => return Ok(()),
             "DECL" | "GLOBAL" => {
-                declared(&mut source, positions)?;
+                declared(&mut source, known)?;
                 continue;
             }
-            _ if PLACES.contains(&word.as_str()) => {
-                position(&mut source, positions)?;
+            _ if PLACES.contains(&word.as_str()) || PARAMETERS.contains(&word.as_str()) => {
+                typed(&mut source, &word, known)?;
                 continue;
             }
             _ => {}
@@ -50,40 +55,42 @@ pub(super) fn read_data(
 }
 
 /// After DECL or GLOBAL.
-pub(super) fn declared(
-    source: &mut Source<'_>,
-    positions: &mut BTreeMap<String, Numbers>,
-) -> Result<(), ProgramError> {
+pub(super) fn declared(source: &mut Source<'_>, known: &mut Declared) -> Result<(), ProgramError> {
     loop {
         let word = source.word("a type")?.to_uppercase();
         match word.as_str() {
             "GLOBAL" | "CONST" | "DECL" => {}
-            _ => return typed(source, &word, positions),
+            _ => return typed(source, &word, known),
         }
     }
 }
 
-/// After the type: positions are kept, other data left out.
+/// After the type: places and parameters are kept, other data left out.
 pub(super) fn typed(
     source: &mut Source<'_>,
     kind: &str,
-    positions: &mut BTreeMap<String, Numbers>,
+    known: &mut Declared,
 ) -> Result<(), ProgramError> {
-    match PLACES.contains(&kind) {
-        true => position(source, positions),
-        false => source.skip_past(LINE_END),
+    if PLACES.contains(&kind) {
+        return position(source, known);
     }
+    if PARAMETERS.contains(&kind) {
+        let name = source.word("a name")?.to_uppercase();
+        if source.take("=") {
+            source.expect(&["{"])?;
+            let value = words(source)?;
+            known.parameters.insert(name, value);
+        }
+    }
+    source.skip_past(LINE_END)
 }
 
 /// After the type.
-fn position(
-    source: &mut Source<'_>,
-    positions: &mut BTreeMap<String, Numbers>,
-) -> Result<(), ProgramError> {
+fn position(source: &mut Source<'_>, known: &mut Declared) -> Result<(), ProgramError> {
     let name = source.word("a name")?.to_uppercase();
     if source.take("=") {
         let value = numbers(source)?;
-        positions.insert(name, value);
+        known.places.insert(name, value);
     }
     source.skip_past(LINE_END)
 }

@@ -26,7 +26,8 @@ pub(super) fn write(
     program.check(robot)?;
     let geometry =
         OpwGeometry::of(robot).ok_or_else(|| ProgramErrorKind::not_ortho_parallel(robot))?;
-    let mut data = vec![format!("DEFDAT {} PUBLIC", program.name)];
+    let head = format!("DEFDAT {} PUBLIC", program.name);
+    let mut data = vec![head, format!("; {NOT_LOADED}")];
     for step in &program.moves {
         check_turns(step, robot)?;
         data.push(position(step, &geometry));

@@ -4,6 +4,7 @@
 //! millimetres and degrees with three decimals, as the controller prints them.
 
 mod dialect;
+mod motion;
 mod positions;
 mod read;
 mod write;

@@ -10,11 +10,9 @@ use super::check_name;
 use super::dialect::LsOptions;
 use super::positions::{self, Position};
 use crate::program::dialect::{Frames, ReadText};
-use crate::program::euler::pose_of;
-use crate::program::flags::Flags;
-use crate::program::number::{finite, whole};
-use crate::program::reading::{Goal, Notes, Step, follow};
-use crate::program::{Motion, Program, ProgramError, ProgramErrorKind, SpindleSwitch, Tool, Zone};
+use crate::program::number::whole;
+use crate::program::reading::{Notes, Step, follow};
+use crate::program::{Program, ProgramError, ProgramErrorKind, SpindleSwitch, Tool};
 
 const WANTED: &str =
     "J, L, C, UFRAME_NUM, UTOOL_NUM, DO[...], a remark or an instruction that moves nothing";
@@ -32,25 +30,25 @@ const IDLE: &[&str] = &[
     "OFFSET CONDITION",
     "PAUSE",
     "R[",
+    "SR[",
+    // Moves by registers, and frames of them, are refused.
+    "PR[",
     "F[",
     "COL DETECT",
     "JOINT_MAX_SPEED",
     "LINEAR_MAX_SPEED",
     "LBL[",
 ];
-/// Options of a move that change nothing of its way but its pace.
-const PACE: &[&str] = &["ACC", "PTH", "RTCP", "COORD", "WJNT", "MROT", "BREAK"];
-
-struct LsReader {
-    positions: BTreeMap<u32, Position>,
-    options: LsOptions,
-    dof: usize,
-    notes: Notes,
+pub(super) struct LsReader {
+    pub positions: BTreeMap<u32, Position>,
+    pub options: LsOptions,
+    pub dof: usize,
+    pub notes: Notes,
     head: Program,
-    steps: Vec<Step>,
+    pub steps: Vec<Step>,
     /// `UTOOL_NUM` and `UFRAME_NUM`, once they are given.
-    number: Option<u8>,
-    user_frame: Option<u8>,
+    pub number: Option<u8>,
+    pub user_frame: Option<u8>,
 }
 
 /// Reads a program.
@@ -177,6 +175,22 @@ fn is_remark(text: &str) -> bool {
 }
 
 impl LsReader {
+    /// Refuses what leads elsewhere, and frames that the file does not hold.
+    fn is_within(text: &str) -> Result<(), ProgramErrorKind> {
+        let first = text.split([' ', '[', '=', '(']).next().unwrap_or_default();
+        let why = match first {
+            "IF" | "ELSE" | "ENDIF" | "JMP" | "SELECT" | "FOR" | "ENDFOR" => {
+                "what branches or loops"
+            }
+            "CALL" | "RUN" => "another program",
+            "UTOOL" | "UFRAME" => {
+                "a frame of a register: give it as the tool or the base, and leave the line out"
+            }
+            _ => return Ok(()),
+        };
+        Err(ProgramErrorKind::not_read(text, why))
+    }
+
     fn instruction(&mut self, text: &str, line: usize) -> Result<(), ProgramErrorKind> {
         let unexpected = || ProgramErrorKind::unexpected(text, WANTED);
         if text.is_empty() || is_remark(text) {
@@ -185,7 +199,11 @@ impl LsReader {
         if text.ends_with(" without `;`") {
             return Err(unexpected());
         }
-        if let Some(number) = text.strip_prefix("UTOOL_NUM=") {
+        Self::is_within(text)?;
+        let set = text
+            .split_once('=')
+            .map(|(name, value)| (name.trim(), value));
+        if let Some(("UTOOL_NUM", number)) = set {
             let number = whole(number, "UTOOL_NUM")?;
             if self.number.is_some_and(|known| known != number) {
                 let rule = "that of the moves before: one tool is read";
@@ -194,7 +212,7 @@ impl LsReader {
             self.number = Some(number);
             return Ok(());
         }
-        if let Some(number) = text.strip_prefix("UFRAME_NUM=") {
+        if let Some(("UFRAME_NUM", number)) = set {
             let number: u8 = whole(number, "UFRAME_NUM")?;
             let moves = !self.steps.is_empty();
             let before = self.user_frame.replace(number);
@@ -236,6 +254,11 @@ impl LsReader {
         let on = match state.trim().trim_matches(['(', ')']) {
             "ON" => true,
             "OFF" => false,
+            // It ends by itself.
+            pulse if pulse.starts_with("PULSE") && Some(number) != self.options.spindle_output => {
+                self.notes.add(line, format!("DO[{number}] is left aside"));
+                return Ok(());
+            }
             _ => return Err(wrong()),
         };
         if Some(number) == self.options.spindle_output {
@@ -246,152 +269,4 @@ impl LsReader {
         }
         Ok(())
     }
-
-    /// `P[3:name]` and what follows.
-    fn position<'t>(&self, text: &'t str) -> Result<(u32, &Position, &'t str), ProgramErrorKind> {
-        let wanted = "P[...]";
-        let wrong = || ProgramErrorKind::unexpected(text, wanted);
-        let rest = text.strip_prefix("P[").ok_or_else(wrong)?;
-        let (number, rest) = rest.split_once(']').ok_or_else(wrong)?;
-        let number = number.split(':').next().unwrap_or_default();
-        let number: u32 = whole(number, "the position's number")?;
-        let found = self.positions.get(&number);
-        let found = found.ok_or_else(|| ProgramErrorKind::MissingPosition {
-            name: format!("P[{number}]"),
-        })?;
-        Ok((number, found, rest.trim()))
-    }
-
-    fn motion(&mut self, verb: &str, text: &str, line: usize) -> Result<(), ProgramErrorKind> {
-        let (mut number, mut position, mut rest) = self.position(text)?;
-        let mut via = None;
-        if verb == "C" {
-            via = Some(self.pose(position)?);
-            (number, position, rest) = self.position(rest)?;
-        }
-        let mut words = rest.split_whitespace();
-        let speed = words.next().unwrap_or_default();
-        let motion = speed_of(verb, speed)?;
-        let end = words.next().unwrap_or_default();
-        let zone = match end.strip_prefix("CNT") {
-            Some(level) => {
-                let level: u8 = whole(level, "CNT")?;
-                ProgramErrorKind::unless(level <= 100, "CNT", level, "from 0 to 100")?;
-                Zone::Unstated
-            }
-            None if end == "FINE" => Zone::Stop,
-            None => return Err(ProgramErrorKind::unexpected(end, "FINE or CNT0 to CNT100")),
-        };
-        let mut idle = Vec::new();
-        for word in words {
-            if !PACE
-                .iter()
-                .any(|pace| word.to_uppercase().starts_with(pace))
-            {
-                let wanted = "the end of the move, ACC, PTH or COORD";
-                return Err(ProgramErrorKind::unexpected(word, wanted));
-            }
-            idle.push(word.to_owned());
-        }
-        self.check_frames(position)?;
-        let goal = self.goal(position)?;
-        let turntable_rad = position.numbers.get("E1").map(|deg| deg.to_radians());
-        for word in idle {
-            self.notes
-                .add(line, format!("{word} of a move is left aside"));
-        }
-        ProgramErrorKind::unless_too_many(self.steps.len() + 1)?;
-        self.steps.push(Step {
-            line,
-            path_point: number.checked_sub(1).map(|number| number as usize),
-            goal,
-            via,
-            motion,
-            zone,
-            turntable_rad,
-        });
-        Ok(())
-    }
-
-    /// As on the controller, a position is one of the frames that are selected.
-    fn check_frames(&self, position: &Position) -> Result<(), ProgramErrorKind> {
-        let selected = [
-            ("UT", "UTOOL_NUM", self.number),
-            ("UF", "UFRAME_NUM", self.user_frame),
-        ];
-        for (part, word, number) in selected {
-            let (Some(found), Some(number)) = (position.numbers.get(part), number) else {
-                continue;
-            };
-            let what = format!("{part} of the position in line {}", position.line);
-            let rule = format!("{number}, by {word}");
-            ProgramErrorKind::unless(*found == f64::from(number), what, found, rule)?;
-        }
-        Ok(())
-    }
-
-    fn goal(&self, position: &Position) -> Result<Goal, ProgramErrorKind> {
-        if position.numbers.contains_key("J1") {
-            let joints = (1..=self.dof).map(|i| position.numbers.get(&format!("J{i}")).copied());
-            let joints: Option<Vec<f64>> = joints.collect();
-            let mut deg = joints.ok_or_else(|| ProgramErrorKind::JointCount {
-                what: "a position in joints".to_owned(),
-                found: position
-                    .numbers
-                    .keys()
-                    .filter(|key| key.starts_with('J'))
-                    .count(),
-                wanted: self.dof,
-            })?;
-            if deg.len() > 2 {
-                deg[2] += self.options.j23_factor * deg[1];
-            }
-            return Ok(Goal::Joints(deg.into_iter().map(f64::to_radians).collect()));
-        }
-        let flags = position
-            .config
-            .map(|config| Box::new(config) as Box<dyn Flags>);
-        Ok(Goal::Pose(self.pose(position)?, flags))
-    }
-
-    fn pose(&self, position: &Position) -> Result<Isometry3<f64>, ProgramErrorKind> {
-        let part = |name: &str| {
-            let found = position.numbers.get(name).copied();
-            found.ok_or_else(|| {
-                ProgramErrorKind::unexpected("a position", &format!("one with {name}"))
-            })
-        };
-        Ok(pose_of(
-            [part("X")?, part("Y")?, part("Z")?],
-            [part("W")?, part("P")?, part("R")?],
-        ))
-    }
-}
-
-fn speed_of(verb: &str, text: &str) -> Result<Motion, ProgramErrorKind> {
-    let number = |unit: &str| {
-        text.strip_suffix(unit)
-            .map(|number| finite(number, "the speed"))
-    };
-    if verb == "J" {
-        let percent = number("%")
-            .unwrap_or_else(|| Err(ProgramErrorKind::unexpected(text, "a speed in percent")))?;
-        let fits = percent > 0.0 && percent <= 100.0;
-        ProgramErrorKind::unless(fits, "the speed", text, "above 0 to 100 %")?;
-        return Ok(Motion::Joint {
-            share: percent / 100.0,
-        });
-    }
-    let units = [
-        ("mm/sec", 1e-3),
-        ("cm/min", 0.01 / 60.0),
-        ("inch/min", 0.0254 / 60.0),
-    ];
-    let found = units
-        .iter()
-        .find_map(|(unit, m_per_s)| Some(number(unit)?.map(|v| v * m_per_s)));
-    let wanted = "a speed in mm/sec, cm/min or inch/min";
-    let speed_m_per_s = found.unwrap_or_else(|| Err(ProgramErrorKind::unexpected(text, wanted)))?;
-    ProgramErrorKind::unless(speed_m_per_s > 0.0, "the speed", text, "above zero")?;
-    Ok(Motion::Linear { speed_m_per_s })
 }

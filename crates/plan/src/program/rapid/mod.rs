@@ -41,7 +41,7 @@ const NO_LOAD_KG: f64 = 1e-3;
 /// The pieces of the language.
 const SYNTAX: Syntax = Syntax {
     comment: '!',
-    marks: "[],;\\()",
+    marks: "[]{},;\\()",
     in_words: "",
     lines: false,
 };

@@ -72,6 +72,13 @@ impl RapidModule {
                 "{others} digital outputs are set that are not the spindle's; they are left aside"
             ));
         }
+        let turned = |step: &&RapidMove| step.turntable_deg.is_some_and(|deg| deg != 0.0);
+        if let Some(step) = self.moves.iter().find(turned) {
+            notes.push(format!(
+                "line {}: eax_a is read as a turntable in degrees; a track in mm is not read",
+                step.line
+            ));
+        }
         let head = Program {
             name: self.name.clone(),
             comment: String::new(),
@@ -107,6 +114,7 @@ impl RapidModule {
                 }
             },
             via: step.via,
+            with_tangent: false,
             motion: if step.linear {
                 Motion::Linear {
                     speed_m_per_s: step.speed_m_per_s,

@@ -19,11 +19,9 @@ const IDLE: &[&str] = &[
     "clkstart",
     "clkstop",
     "deactunit",
-    "exit",
     "gripload",
     "invertdo",
     "pulsedo",
-    "return",
     "setao",
     "setgo",
     "singarea",
@@ -37,8 +35,11 @@ const IDLE: &[&str] = &[
     "waittime",
     "waituntil",
 ];
-pub(super) const WANTED: &str =
-    "MoveJ, MoveL, MoveC, MoveAbsJ, ConfJ, ConfL, SetDO, a call or ENDPROC";
+/// What steers the program: what it leads to is not known before it runs.
+const CONTROL: &[&str] = &[
+    "if", "for", "while", "test", "goto", "error", "undo", "backward",
+];
+const WANTED: &str = "MoveJ, MoveL, MoveC, MoveAbsJ, ConfJ, ConfL, SetDO, a call or ENDPROC";
 
 /// A place as a move names it.
 pub(super) enum Place<'a> {
@@ -78,6 +79,10 @@ pub(super) enum Instruction<'a> {
     },
     Output(&'a str, bool),
     Call(&'a str),
+    /// To the procedure that called this one.
+    Return,
+    /// The end of the program.
+    Exit,
 }
 
 pub(super) struct ModuleReader<'a> {
@@ -232,6 +237,17 @@ impl<'a> ModuleReader<'a> {
                     self.source.expect(&[";"])?;
                     Instruction::Output(signal, verb == "set")
                 }
+                control if CONTROL.contains(&control) => {
+                    let kind = ProgramErrorKind::not_read(word, "what branches or loops");
+                    return Err(self.source.error(line, kind));
+                }
+                end @ ("return" | "exit") => {
+                    self.source.expect(&[";"])?;
+                    match end {
+                        "return" => Instruction::Return,
+                        _ => Instruction::Exit,
+                    }
+                }
                 idle if IDLE.contains(&idle) => {
                     self.notes.add(line, format!("{word} is left aside"));
                     self.source.skip_past(";")?;
@@ -293,7 +309,10 @@ impl<'a> ModuleReader<'a> {
         self.source.expect(&[","])?;
         let tool = self.source.word("a tool")?;
         let mut base = "wobj0";
-        while self.source.take("\\") {
+        // A comma may stand before an optional argument.
+        while self.source.comes("\\") || self.source.comes(",") {
+            self.source.take(",");
+            self.source.expect(&["\\"])?;
             let line = self.source.line();
             let which = self.source.word("WObj or TLoad")?;
             self.source.expect(&[":="])?;

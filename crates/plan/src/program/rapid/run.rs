@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use super::data::{Datum, Target, joints, speed, target, zone};
 use super::module::{RapidGoal, RapidModule, RapidMove};
-use super::read::{Instruction, ModuleReader, MoveText, Place, Verb, WANTED};
+use super::read::{Instruction, ModuleReader, MoveText, Place, Verb};
 use crate::program::source::Value;
 use crate::program::{ProgramError, ProgramErrorKind};
 
@@ -46,11 +46,12 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// Whether the program goes on behind it.
     pub fn run(
         &mut self,
         body: &[(Instruction<'a>, usize)],
         depth: usize,
-    ) -> Result<(), ProgramError> {
+    ) -> Result<bool, ProgramError> {
         for (instruction, line) in body {
             let done = match instruction {
                 Instruction::Move(text) => self.motion(text, *line),
@@ -65,10 +66,15 @@ impl<'a> Runner<'a> {
                         .push((before, (*signal).to_owned(), *on));
                     Ok(())
                 }
+                Instruction::Return => return Ok(true),
+                Instruction::Exit => return Ok(false),
                 Instruction::Call(name) => {
                     let called = |(known, _): &&(&str, _)| known.eq_ignore_ascii_case(name);
                     match self.reader.procedures.iter().find(called) {
-                        None => Err(ProgramErrorKind::unexpected(name, WANTED)),
+                        None => {
+                            let why = "a procedure that is not in the module";
+                            Err(ProgramErrorKind::not_read(name, why))
+                        }
                         Some(_) if depth == CALL_DEPTH => {
                             let rule = format!("at most {CALL_DEPTH}");
                             Err(ProgramErrorKind::value(
@@ -78,7 +84,9 @@ impl<'a> Runner<'a> {
                             ))
                         }
                         Some((_, body)) => {
-                            self.run(body, depth + 1)?;
+                            if !self.run(body, depth + 1)? {
+                                return Ok(false);
+                            }
                             Ok(())
                         }
                     }
@@ -86,7 +94,7 @@ impl<'a> Runner<'a> {
             };
             done.map_err(|kind| ProgramError::in_file(self.reader.path, *line, kind))?;
         }
-        Ok(())
+        Ok(true)
     }
 
     fn motion(&mut self, text: &MoveText<'a>, line: usize) -> Result<(), ProgramErrorKind> {

@@ -106,7 +106,10 @@ pub(super) fn value(
         (_, Some(known)) => Ok(known.clone()),
         _ if word.starts_with(|c: char| c.is_alphabetic()) => {
             let rule = "given a value before";
-            let kind = ProgramErrorKind::value("the name", format!("`{word}`"), rule);
+            let kind = match word.contains(['+', '-']) {
+                true => ProgramErrorKind::not_read(word, "a calculated value"),
+                false => ProgramErrorKind::value("the name", format!("`{word}`"), rule),
+            };
             Err(fault(source, kind))
         }
         _ => {

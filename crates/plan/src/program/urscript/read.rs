@@ -24,7 +24,25 @@ const IDLE: &[&str] = &[
     "stopl",
     "stopj",
     "zero_ftsensor",
-    "halt",
+];
+/// What steers the program: what it leads to is not known before it runs.
+const CONTROL: &[&str] = &[
+    "if",
+    "elif",
+    "else",
+    "while",
+    "break",
+    "continue",
+    "return",
+    "def",
+    "thread",
+    "run",
+    "join",
+    "kill",
+    "switch",
+    "case",
+    "enter_critical",
+    "exit_critical",
 ];
 const SETTING: [&str; 3] = ["set_", "write_", "reset_"];
 const OUTPUTS: [&str; 2] = ["set_standard_digital_out", "set_digital_out"];
@@ -39,6 +57,9 @@ struct ScriptReader<'a> {
     notes: Notes,
     head: Program,
     steps: Vec<Step>,
+    /// Behind `halt`.
+    has_halted: bool,
+    has_tool: bool,
 }
 
 /// Reads a script.
@@ -80,6 +101,8 @@ pub(super) fn read(
             notes: Vec::new(),
         },
         steps: Vec::new(),
+        has_halted: false,
+        has_tool: false,
     };
     reader.script()?;
     reader.head.notes = reader.notes.texts();
@@ -107,7 +130,31 @@ impl ScriptReader<'_> {
             self.source.expect(&[&name, "(", ")", LINE_END])?;
         }
         self.head.name = name;
+        self.note_overlaps();
+        if let (false, Some(step)) = (self.has_tool, self.steps.first()) {
+            let text = "no set_tcp stands in the script; the robot's own tool is taken";
+            self.notes.add(step.line, text);
+        }
         Ok(())
+    }
+
+    /// Where blends of two points on lines overlap, the controller skips one of the moves.
+    fn note_overlaps(&mut self) {
+        let place = |step: &Step| match (&step.goal, step.zone) {
+            (Goal::Pose(pose, _) | Goal::Near(pose, _), Zone::Within(blend_m)) => {
+                Some((pose.translation.vector, blend_m))
+            }
+            _ => None,
+        };
+        for pair in self.steps.windows(2) {
+            let (Some((from, before)), Some((to, own))) = (place(&pair[0]), place(&pair[1])) else {
+                continue;
+            };
+            if pair[1].via.is_none() && before + own > (to - from).norm() {
+                let text = "its blend overlaps with that of the move before: the controller skips one of them";
+                self.notes.add(pair[1].line, text);
+            }
+        }
     }
 
     fn fault(&self, kind: ProgramErrorKind) -> ProgramError {
@@ -121,6 +168,18 @@ impl ScriptReader<'_> {
         if word == "end" {
             self.source.expect(&[LINE_END])?;
             return Ok(false);
+        }
+        if word == "halt" {
+            if self.source.take("(") {
+                self.source.expect(&[")"])?;
+            }
+            self.has_halted = true;
+            self.source.expect(&[LINE_END])?;
+            return Ok(true);
+        }
+        if CONTROL.contains(&word) {
+            let kind = ProgramErrorKind::not_read(word, "what branches, loops or runs beside");
+            return Err(self.fault(kind));
         }
         if matches!(word, "global" | "local") {
             word = self.source.word("a name")?;
@@ -153,6 +212,10 @@ impl ScriptReader<'_> {
             return Err(self.source.unexpected(WANTED));
         }
         let given = arguments(&mut self.source, &self.variables, 0)?;
+        if self.has_halted {
+            self.notes.add(line, "what stands behind halt is not run");
+            return Ok(());
+        }
         let done = match word {
             _ if moves => self.motion(word, &given, line),
             _ if OUTPUTS.contains(&word) => self.switch(&given, line),
@@ -171,6 +234,7 @@ impl ScriptReader<'_> {
                     return Err(ProgramErrorKind::value("the tool", "another", rule));
                 }
                 *tool = *tcp;
+                self.has_tool = true;
             }
             [Value::Number(mass_kg), rest @ ..] if *mass_kg > 0.0 => {
                 let centre_m = match rest.first() {
@@ -246,6 +310,10 @@ impl ScriptReader<'_> {
             let rule = "0: a move is read by its speed";
             return Err(ProgramErrorKind::value("the time t", numbers["t"], rule));
         }
+        let mode = numbers.get("mode").copied().unwrap_or_default();
+        let rule = "0, evenly to the attitude of the end, or 1, with the tangent of the arc";
+        let is_known = mode == 0.0 || mode == 1.0;
+        ProgramErrorKind::unless(is_known, "the mode of movec", mode, rule)?;
         let (default, rule) = match verb {
             "movej" => (1.05, "above zero, in rad/s"),
             _ => (0.25, "above zero, in m/s"),
@@ -263,6 +331,7 @@ impl ScriptReader<'_> {
             path_point: Some(self.next_point),
             goal,
             via,
+            with_tangent: mode == 1.0,
             motion: match verb {
                 "movej" => Motion::Joint {
                     share: (speed / JOINT_TOP_RAD_PER_S).min(1.0),
