@@ -171,8 +171,9 @@ fn every_file_says_that_no_controller_loaded_it_and_a_load_is_none_of_ours() {
         mass_kg: 6.25,
         centre_m: Vector3::new(0.01, 0.0, 0.12),
     };
+    type Quotes = &'static [&'static str];
     // Without a load, and with one: what stands in the files, and what must not.
-    let cases: [(&str, [&[&str]; 2], &[&str]); 5] = [
+    let cases: [(&str, [Quotes; 2], Quotes); 5] = [
         ("jbi", [&[], &[]], &["6.25"]),
         (
             "rapid",
