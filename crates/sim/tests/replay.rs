@@ -335,10 +335,8 @@ fn verify_effects_change_the_drive_force_by_their_law() {
     }
 }
 
-/// States without an order are read by a sensor that is late like any others, be they more or fewer
-/// than the samples of the data.
-#[test]
-fn verify_a_late_sensor_reads_unrelated_states() {
+/// A mass that swings at 0.8 Hz, 801 samples at 400 Hz.
+fn swinging_mass() -> InverseModel {
     let motion = |t: f64| 0.1 + 0.05 * (TAU * 0.8 * t).sin();
     let channel = |name, role| (name, Unit::Metre, role, wave(400.0, 801, motion));
     let mut force = channel("joint1.drive_force", Role::Output);
@@ -348,7 +346,14 @@ fn verify_a_late_sensor_reads_unrelated_states() {
         801,
         vec![channel("joint1.position", Role::Input), force],
     );
-    let model = InverseModel::new(&scenario("position", "inverse", ""), &measured).unwrap();
+    InverseModel::new(&scenario("position", "inverse", ""), &measured).unwrap()
+}
+
+/// States without an order are read by a sensor that is late like any others, be they more or fewer
+/// than the samples of the data.
+#[test]
+fn verify_a_late_sensor_reads_unrelated_states() {
+    let model = swinging_mass();
     // by one interval of the data
     let late = Effect {
         kind: EffectKind::SensorDelay,
@@ -369,16 +374,7 @@ fn verify_a_late_sensor_reads_unrelated_states() {
 /// A sensor's gain, offset and the rest act in one order, whatever the order of the entries.
 #[test]
 fn verify_a_sensor_is_the_same_in_any_order_of_its_effects() {
-    let motion = |t: f64| 0.1 + 0.05 * (TAU * 0.8 * t).sin();
-    let channel = |name, role| (name, Unit::Metre, role, wave(400.0, 801, motion));
-    let mut force = channel("joint1.drive_force", Role::Output);
-    force.1 = Unit::Newton;
-    let measured = data(
-        400.0,
-        801,
-        vec![channel("joint1.position", Role::Input), force],
-    );
-    let model = InverseModel::new(&scenario("position", "inverse", ""), &measured).unwrap();
+    let model = swinging_mass();
     let sensor = |kind, value| Effect {
         kind,
         target: Target::Channel("joint1.drive_force".into()),

@@ -60,51 +60,35 @@ impl Search<'_, '_> {
     }
 
     /// One delay of all that is measured in place of those of each channel, where these agree as
-    /// nearly as samples tell, or where it does as well for its number of parameters: by itself, or
-    /// beside the delays of those that are apart from most.
+    /// nearly as samples tell, or where it does as well for its number of parameters.
     fn common(&self, found: Fit, orders: Vec<usize>) -> Result<(Fit, Vec<usize>), DiagnoseError> {
         let problem = self.problem;
         let mut late = problem.late.iter().copied();
         let clock = late.find(|&one| problem.candidates[one].target == Target::Whole);
-        let delays = of_delays(problem, &found.point);
+        let delays: Vec<f64> = (of_delays(problem, &found.point).iter())
+            .map(|delay| delay.values[0])
+            .collect();
         let Some(clock) = clock.filter(|_| delays.len() > 1) else {
             return Ok((found, orders));
         };
-        let mut sorted: Vec<f64> = delays.iter().map(|delay| delay.values[0]).collect();
-        sorted.sort_by(f64::total_cmp);
-        let all = mean(&sorted);
+        let common_s = mean(&delays);
         let room_s = ALIKE * problem.candidates[clock].scale[0];
         let agree = delays.len() + 1 == problem.late.len()
-            && sorted.iter().all(|one| (one - all).abs() < room_s);
-        // of most of them, beside which a few are late by themselves
-        let most = sorted[sorted.len() / 2];
-        let apart: Vec<Found> = (delays.iter())
-            .filter(|delay| (delay.values[0] - most).abs() >= room_s)
-            .map(|delay| Found {
-                values: vec![delay.values[0] - most],
-                ..(*delay).clone()
-            })
-            .collect();
-        let mut trials = vec![(all, Vec::new())];
-        if !apart.is_empty() && apart.len() + 1 < delays.len() {
-            trials.push((most, apart));
+            && delays.iter().all(|one| (one - common_s).abs() < room_s);
+        let mut one = problem.neutral(clock);
+        one.values[0] = common_s;
+        let mut point = found.point.clone();
+        point
+            .effects
+            .retain(|own| !problem.late.contains(&own.candidate));
+        point.effects.push(one);
+        let train = &problem.split.train;
+        let (common, own) = settled(problem, fit(problem, point, train, &orders, true)?)?;
+        let better = criterion(problem, &common, &orders) < criterion(problem, &found, &orders);
+        match agree || better {
+            true => Ok((common, own)),
+            false => Ok((found, orders)),
         }
-        let mut best = (found, orders);
-        for (common_s, apart) in trials {
-            let mut one = problem.neutral(clock);
-            one.values[0] = common_s;
-            let mut point = best.0.point.clone();
-            (point.effects).retain(|own| !problem.late.contains(&own.candidate));
-            point.effects.push(one);
-            point.effects.extend(apart);
-            let train = &problem.split.train;
-            let common = settled(problem, fit(problem, point, train, &best.1, true)?)?;
-            let value = |fit: &Fit| criterion(problem, fit, &best.1);
-            if agree || value(&common.0) < value(&best.0) {
-                best = common;
-            }
-        }
-        Ok(best)
     }
 }
 
