@@ -16,6 +16,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
         &["`XP1` is not read", "$config.dat"],
     ),
     ("no_end.src", 2, &["ends here"]),
+    (
+        "nested_structures.src",
+        2,
+        &["the depth of structures is 9", "at most 8"],
+    ),
     ("subprogram.src", 3, &["`GRIND`", "a subprogram"]),
     ("four_axes.src", 2, &["has 4 fields", "6 are wanted"]),
     ("two_tools.src", 3, &["the tool", "one is read"]),

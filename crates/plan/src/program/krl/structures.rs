@@ -95,29 +95,35 @@ fn position(source: &mut Source<'_>, known: &mut Declared) -> Result<(), Program
     source.skip_past(LINE_END)
 }
 
+/// Most structures inside each other; a controller's own are two deep.
+const DEEPEST: usize = 8;
+
 /// `{X 1,Y 2}` or `{FRAME: X 1,Y 2}`; structures inside are named `CM.X`.
 pub(super) fn numbers(source: &mut Source<'_>) -> Result<Numbers, ProgramError> {
     source.expect(&["{"])?;
-    inside(source)
+    inside(source, 1)
 }
 
 /// After the brace: a place, or `None` of what is none.
 pub(super) fn place_inside(source: &mut Source<'_>) -> Result<Option<Numbers>, ProgramError> {
     let begins = ["X", "A1"].iter().chain(&PLACES);
     let is_place = begins.into_iter().any(|word| source.comes(word));
-    is_place.then(|| inside(source)).transpose()
+    is_place.then(|| inside(source, 1)).transpose()
 }
 
-/// Components up to the closing brace.
-fn inside(source: &mut Source<'_>) -> Result<Numbers, ProgramError> {
+/// Components up to the closing brace of so many.
+fn inside(source: &mut Source<'_>, depth: usize) -> Result<Numbers, ProgramError> {
+    let rule = format!("at most {DEEPEST}");
+    ProgramErrorKind::unless(depth <= DEEPEST, "the depth of structures", depth, rule)
+        .map_err(|kind| source.error(source.last_line(), kind))?;
     let mut all = Numbers::new();
     loop {
         let name = source.word("a component")?.to_uppercase();
         if source.take(":") {
             continue;
         }
-        if source.comes("{") {
-            for (inner, value) in numbers(source)? {
+        if source.take("{") {
+            for (inner, value) in inside(source, depth + 1)? {
                 all.insert(format!("{name}.{inner}"), value);
             }
         } else {
