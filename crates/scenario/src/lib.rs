@@ -102,7 +102,7 @@ pub use process::brush::{BrushSpec, BrushWay, EdgeSpec};
 pub use process::chamfer::{ChamferSpec, FeedDirection, Regeneration};
 pub use process::load::{ForceSweep, LoadFrame, LoadSpec, RotatingForce};
 pub use process::milling::{MillingSpec, PlannedPath};
-pub use process::path_milling::{PathMillingSpec, SpindleSpec};
+pub use process::path_milling::{PathMillingSpec, SpindleSpec, StockSpec};
 pub use process::polish::{GrainSpec, PolishSpec, TextureSpec};
 pub use process::replay::{ReplayMode, ReplaySpec, Turning};
 pub use process::wheel::WheelSpec;

@@ -4,6 +4,7 @@ use super::pose;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 use truecut_arm::{DrawnLink, Robot, Shape as ArmShape};
+use truecut_core::cutting::milling::layered::solid::Solid;
 use truecut_plan::surface::Mesh;
 use truecut_recording::{Body, Geometry, Pose, Shape};
 
@@ -163,6 +164,18 @@ pub(crate) fn stock(process_from_block: &Isometry3<f64>, half_m: &Vector3<f64>) 
         color_rgba: STEEL_RGBA,
         body_from_shape: pose(process_from_block),
     }
+}
+
+/// Stock from a mesh.
+pub(crate) fn solid(process_from_solid: &Isometry3<f64>, solid: &Solid) -> Shape {
+    let triangles = solid.triangles_m();
+    let geometry = Geometry::Mesh {
+        vertices_m: triangles.iter().flatten().map(|p| (*p).into()).collect(),
+        triangles: (0..triangles.len() as u32)
+            .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
+            .collect(),
+    };
+    steel(geometry, pose(process_from_solid))
 }
 
 /// What a straight pass leaves of its stock, in the milling frame: x along the feed from the

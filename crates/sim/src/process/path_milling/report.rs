@@ -315,7 +315,7 @@ fn wall_left_m(target: &LayeredStock, layer: usize, corner: &Vector3<f64>) -> f6
 /// The stock from above, by what has been taken of it.
 pub(super) fn field(milling: &PathMilling) -> Field {
     let setup = &milling.setup;
-    let block = setup.spec.block;
+    let block = setup.spec.stock.block;
     let size = block.most_m - block.least_m;
     let corner = Vector3::new(
         block.least_m.x,

@@ -33,15 +33,19 @@ pub(crate) fn setup(
     let from = context.departure(&motion);
     let setup = parameters(spec, context, &motion)?;
     let radius_m = spec.cutter.radius_m;
-    let block = spec.block;
+    let block = spec.stock.block;
     let middle_m = 0.5 * (block.least_m + block.most_m);
-    let process_from_block =
-        from.world_from_process.inverse() * setup.world_from_work * Translation3::from(middle_m);
+    let process_from_work = from.world_from_process.inverse() * setup.world_from_work;
+    let process_from_block = process_from_work * Translation3::from(middle_m);
+    let solid = spec.stock.solid.clone();
     let half_m = 0.5 * (block.most_m - block.least_m);
     let length_m = (block.most_m - block.least_m).z.max(2.0 * radius_m) + 2.0 * radius_m;
     Ok(ProcessSetup::new(PathMilling::new(setup), from.posture)
         .holding(Tooling::end_mill(radius_m, length_m))
-        .on(move || vec![shapes::stock(&process_from_block, &half_m)])
+        .on(move || match &solid {
+            Some(solid) => vec![shapes::solid(&process_from_work, solid)],
+            None => vec![shapes::stock(&process_from_block, &half_m)],
+        })
         .led_by(Motion::Planned(motion)))
 }
 
@@ -65,10 +69,11 @@ pub(super) fn parameters(
     let ends_cut = spec.cutter.centre_cutting;
     let followed = follow(
         &legs,
-        spec.block,
-        &spec.holes,
+        spec.stock.block,
+        &spec.stock.holes,
+        spec.stock.solid.as_deref(),
         radius_m,
-        spec.grid_m,
+        spec.stock.grid_m,
         ends_cut,
     );
     let meant = followed.map_err(|fault| {

@@ -44,8 +44,8 @@ pub struct LayeredCut {
     pub(super) walls: Walls,
     /// Lowest place of the tip over each node, m.
     pub(super) floor_m: Vec<f64>,
-    /// Which nodes are no holes at the start.
-    pub(super) is_solid: Vec<bool>,
+    /// How high the stock stands at each node at the start, m; −∞ where there is none.
+    pub(super) top_m: Vec<f64>,
     pub(super) trace: Trace,
     /// Fastest motion of the axis in the stretch of memory now filled and in the one before, m/rad.
     fastest_m_per_rad: [f64; 2],
@@ -78,10 +78,12 @@ impl LayeredCut {
             cutter,
             coefficients,
             floor_m: vec![f64::INFINITY; nodes[0] * nodes[1]],
-            is_solid: stock.layers()[0]
-                .values()
-                .iter()
-                .map(|beyond_m| *beyond_m > 0.0)
+            top_m: (0..nodes[0] * nodes[1])
+                .map(|node| {
+                    let mut downwards = stock.layers().iter().rev();
+                    let stands = downwards.find(|layer| layer.values()[node] > 0.0);
+                    stands.map_or(f64::NEG_INFINITY, |layer| layer.top_m)
+                })
                 .collect(),
             stock,
             walls,

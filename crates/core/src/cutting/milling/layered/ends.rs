@@ -1,7 +1,7 @@
 //! Ends of the teeth of a cutter that sinks: edges from the axis to the rim.
 //!
 //! A tooth's end takes what lies between the tip's height and the lowest of the surfaces there: the
-//! heights at which earlier teeth came by, the floor that is older, the block's upper face. From
+//! heights at which earlier teeth came by, the floor that is older, the stock's upper face. From
 //! the height of the tooth before on upwards it is the rim that cuts. The chip is measured along
 //! the axis; the force is that of a straight edge at a right angle to the spindle.
 
@@ -60,11 +60,8 @@ impl LayeredCut {
             return 0.0;
         }
         let node = self.stock.nearest(place_m);
-        if !self.is_solid[node] {
-            return 0.0;
-        }
         let teeth = self.cutter.teeth;
-        let mut surface_m = self.floor_m[node].min(self.stock.block.most_m.z);
+        let mut surface_m = self.floor_m[node].min(self.top_m[node]);
         for (index, (_, then_m)) in passes.earlier.iter().enumerate() {
             let before = (tooth + index + 1) % teeth;
             // What the tooth before did not stand over is the rim's from its height on.

@@ -17,6 +17,7 @@
 //! | [`cut`] | forces of a vibrating tool, where its rim is in stock |
 //! | `ends` | forces of the ends of teeth on plunges and ramps |
 //! | `sinking` | legs on which the depth changes: their layers and floors |
+//! | [`solid`] | stock from a closed mesh: sections by layer |
 //! | [`walls`] | rays on which walls are measured |
 //! | [`outline`] | areas, volume, mesh |
 
@@ -26,6 +27,7 @@ mod ends;
 mod immersion;
 pub mod outline;
 mod sinking;
+pub mod solid;
 pub mod stock;
 mod sweep;
 pub mod walls;

@@ -6,7 +6,7 @@ use nalgebra::{Vector2, Vector3};
 use std::ops::Range;
 
 /// Grids beyond what has been cut say no more than that it is so far, in spacings.
-const FAR: f64 = 4.0;
+pub(super) const FAR: f64 = 4.0;
 /// Nodes within so many spacings of a cut know their distance.
 const KNOWN: f64 = 2.5;
 /// A tool that sinks by less than this part of a layer, or this, m, still cuts at that layer.
@@ -90,7 +90,6 @@ impl Layer {
         &self.beyond_m
     }
 
-    #[cfg(test)]
     pub(super) fn values_mut(&mut self) -> &mut [f64] {
         &mut self.beyond_m
     }
@@ -154,7 +153,6 @@ impl LayeredStock {
         &self.layers
     }
 
-    #[cfg(test)]
     pub(super) fn layers_mut(&mut self) -> &mut [Layer] {
         &mut self.layers
     }

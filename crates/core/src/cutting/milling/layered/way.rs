@@ -1,6 +1,7 @@
 //! The path of a milling tool as it is written: its depths, what it must not do, what it leaves.
 
 use super::sinking;
+use super::solid::Solid;
 use super::stock::{Block, Hole, LayeredStock};
 use super::walls::{Side, Station};
 use nalgebra::{Vector2, Vector3};
@@ -97,7 +98,8 @@ pub struct Meant {
 /// Farthest that feed may go on beyond the stock, in diameters.
 const MOST_AIR: f64 = 4.0;
 
-/// Follows a path through a block with a cutter of this radius, whose ends cut or do not.
+/// Follows a path through stock with a cutter of this radius, whose ends cut or do not: a block, or
+/// what of it lies in a solid.
 ///
 /// # Errors
 /// The first thing that the cutter cannot do.
@@ -105,19 +107,32 @@ pub fn follow(
     legs: &[Leg],
     block: Block,
     holes: &[Hole],
+    solid: Option<&Solid>,
     radius_m: f64,
     grid_m: f64,
     ends_cut: bool,
 ) -> Result<Meant, WayFault> {
     let mut depths = depths_m(legs);
-    let mut stock = LayeredStock::new(block, holes, grid_m, &depths);
+    if let Some(solid) = solid {
+        depths.extend(solid.depths_m(grid_m));
+        depths.sort_by(f64::total_cmp);
+        depths.dedup_by(|a, b| (*a - *b).abs() <= SAME_DEPTH_M);
+    }
+    let whole = |depths: &[f64]| {
+        let mut stock = LayeredStock::new(block, holes, grid_m, depths);
+        if let Some(solid) = solid {
+            stock.keep_within(solid);
+        }
+        stock
+    };
+    let mut stock = whole(&depths);
     let mut sinks = vec![false; legs.len()];
     if ends_cut {
         sinks = sinking::sinking(legs, &mut stock, radius_m);
         depths.extend(sinking::depths_m(legs, &sinks, &block, &stock));
         depths.sort_by(f64::total_cmp);
         depths.dedup_by(|a, b| (*a - *b).abs() <= SAME_DEPTH_M);
-        stock = LayeredStock::new(block, holes, grid_m, &depths);
+        stock = whole(&depths);
     }
     let piece_m = sinking::piece_m(&stock);
     let mut target = stock.clone();

@@ -3,14 +3,11 @@
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_core::chatter::AttachedModes;
 use truecut_core::cutting::chamfer::CuttingCoefficients;
 use truecut_core::cutting::milling::cutter::Cutter;
-use truecut_core::cutting::milling::layered::stock::{Block, Hole};
-use truecut_core::cutting::milling::layered::way::{COARSEST, MOST_NODES};
 use truecut_plan::cam::SpindleSpeed;
 use truecut_plan::path_file::PathFile;
 
@@ -22,7 +19,12 @@ use crate::process::milling::coefficients;
 use crate::process::milling::cutter::CutterTable;
 use crate::process::path_file::PathFileTable;
 use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room};
-use crate::units::{from_deg, from_mm, from_rpm};
+use crate::units::{from_deg, from_rpm};
+
+mod stock;
+
+pub use stock::StockSpec;
+use stock::StockTable;
 
 /// Milling of stock along a path from a file. The cutter turns clockwise seen from the spindle.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,12 +39,8 @@ pub struct PathMillingSpec {
     pub start_angle_rad: f64,
     /// Path from CAM, or robot program.
     pub path: PathFile,
-    /// The stock in the path's work frame.
-    pub block: Block,
-    /// Holes through it.
-    pub holes: Vec<Hole>,
-    /// Largest spacing of the grid on which it is kept.
-    pub grid_m: f64,
+    /// What is cut.
+    pub stock: StockSpec,
     /// Modes of tool and workpiece beside the arm's.
     pub attached: AttachedModes,
 }
@@ -123,37 +121,7 @@ pub(crate) struct PathMillingTable {
     workpiece: Option<WorkpieceTable>,
 }
 
-/// A box in the path's work frame (of a robot program: its base frame).
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct StockTable {
-    /// Corner with the least x, y and z.
-    corner_mm: [f64; 3],
-    /// Lengths along x, y and z.
-    size_mm: [f64; 3],
-    /// Largest spacing of the grid on which it is kept. Default: a fiftieth of the cutter's
-    /// diameter.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a grid has a spacing"))]
-    grid_mm: Option<f64>,
-    /// Round holes through it, along z. Default: none.
-    hole: Option<Vec<HoleTable>>,
-}
-
-/// A round hole.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct HoleTable {
-    /// Its middle.
-    xy_mm: [f64; 2],
-    /// Its diameter.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a hole has a diameter"))]
-    diameter_mm: f64,
-}
-
 const TABLE: &str = "process.path_milling";
-const STOCK: &str = "process.path_milling.stock";
-/// Spacing of the grid where a scenario gives none, as a part of the diameter.
-const DEFAULT_GRID: f64 = 0.02;
 
 impl PathMillingTable {
     /// `None` after recording a fault. `folder` is that of the scenario file.
@@ -177,7 +145,7 @@ impl PathMillingTable {
         let keys = ["tool_xyz_mm", "tool_rpy_deg"];
         check.ignored(&format!("{TABLE}.path"), &keys, because);
         let path = self.path.resolve(&format!("{TABLE}.path"), folder, check);
-        let stock = self.stock.resolve(cutter.radius_m, check);
+        let stock = self.stock.resolve(cutter.radius_m, folder, check);
         let path = path?;
         let spindle = match self.spindle_rpm {
             Some(rpm) => {
@@ -186,7 +154,6 @@ impl PathMillingTable {
             }
             None => spindle_of_file(&path, !attached.over_speed.is_empty(), check)?,
         };
-        let (block, holes, grid_m) = stock?;
         Some(PathMillingSpec {
             cutter,
             coefficients: cutting?.0,
@@ -194,9 +161,7 @@ impl PathMillingTable {
             spindle,
             start_angle_rad: from_deg(self.start_angle_deg.unwrap_or(0.0)),
             path,
-            block,
-            holes,
-            grid_m,
+            stock: stock?,
         })
     }
 }
@@ -246,55 +211,6 @@ fn spindle_of_file(
     Some(spindle)
 }
 
-impl StockTable {
-    /// `None` after recording a fault.
-    fn resolve(self, radius_m: f64, check: &mut Check) -> Option<(Block, Vec<Hole>, f64)> {
-        let size = self.size_mm;
-        if let Some(least) = size.iter().copied().find(|length| *length <= 0.0) {
-            let is =
-                format!("has the length {least}, but lengths must be above 0: a box is a body");
-            check.wrong(STOCK, "size_mm", is, "no body");
-            return None;
-        }
-        let least_m = Vector3::from(self.corner_mm.map(from_mm));
-        let block = Block {
-            least_m,
-            most_m: least_m + Vector3::from(size.map(from_mm)),
-        };
-        let grid_m = (self.grid_mm).map_or(2.0 * DEFAULT_GRID * radius_m, from_mm);
-        let coarsest_m = COARSEST * radius_m;
-        if grid_m > coarsest_m * (1.0 + 1e-9) {
-            let is = format!(
-                "is {}, but must be at most {} mm, a sixteenth of the cutter's diameter: rims are told to the \
-                 square of the spacing",
-                grid_m * 1e3,
-                coarsest_m * 1e3
-            );
-            check.wrong(STOCK, "grid_mm", is, "too coarse for the cutter");
-            return None;
-        }
-        let nodes = size[0] * size[1] * 1e-6 / (grid_m * grid_m);
-        if nodes > MOST_NODES {
-            let message = format!(
-                "a grid of {} mm over {} x {} mm has {nodes:.2e} nodes, but must have at most {MOST_NODES:.1e}: raise \
-                 `{STOCK}.grid_mm`",
-                grid_m * 1e3,
-                size[0],
-                size[1]
-            );
-            let key = format!("{STOCK}.size_mm");
-            check.refuse(Fault::value(&key, message, "too fine for the stock"));
-            return None;
-        }
-        let hole = |hole: HoleTable| Hole {
-            centre_m: Vector2::from(hole.xy_mm.map(from_mm)),
-            radius_m: 0.5 * from_mm(hole.diameter_mm),
-        };
-        let holes = self.hole.unwrap_or_default().into_iter().map(hole);
-        Some((block, holes.collect(), grid_m))
-    }
-}
-
 /// What a person could change at the machine.
 const KNOBS: &[Knob] = &[Knob::new(
     "process.path_milling.spindle_rpm",
@@ -321,7 +237,7 @@ impl Room for PathMillingSpec {
                 "tool.displacement_z",
             ],
             knobs: KNOBS,
-            files: &["path.file", "material.file"],
+            files: &["path.file", "material.file", "stock.mesh"],
             needs_drive: Some("path_milling"),
             needs_robot: true,
             modes: ModesIn::Elsewhere(
