@@ -182,10 +182,12 @@ impl LayeredStock {
         }
         for (row, crossings) in crossings.iter_mut().enumerate() {
             crossings.sort_by(f64::total_cmp);
-            for node in row * columns..(row + 1) * columns {
-                let x = self.place(node).x;
+            let first = row * columns;
+            let along = distance_m[first..first + columns].iter_mut().enumerate();
+            for (column, distance_m) in along {
+                let x = self.place(first + column).x;
                 if crossings.partition_point(|crossing| *crossing <= x) % 2 == 0 {
-                    distance_m[node] = -distance_m[node];
+                    *distance_m = -*distance_m;
                 }
             }
         }
