@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from workers import Cluster, Watch, kill_later
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
@@ -113,6 +114,22 @@ def test_what_is_killed_is_made_again(tmp_path, server, seed):
     assert ended.returncode == 0, ended.stderr
     assert killed[0] >= 1, "nothing was killed"
     assert files(file, "there") == files(file, "here")
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_worker_that_is_killed_costs_its_parts_a_retry_and_no_row_comes_twice(tmp_path, seed):
+    """The worker itself, as a machine dies, not the calls that it makes."""
+    file, rows, draw = scenario(tmp_path, 60, 10.0), 60, random.Random(seed)
+    assert sweep(file, "here").returncode == 0
+    with Cluster(tmp_path, 2) as cluster, Watch(tmp_path / "there" / "swings" / "parts") as watch:
+        victim = draw.choice(cluster.workers)
+        timer = kill_later(victim, draw.uniform(0.2, 0.6))
+        words = ("--workers-on", "hyperqueue", "--server", str(cluster.server), "--part-rows", "3")
+        ended = sweep(file, "there", *words)
+        assert not timer.is_alive(), "it ended before"
+    assert ended.returncode == 0, ended.stderr
+    assert files(file, "there") == files(file, "here")
+    assert watch.rows == list(range(rows))
 
 
 def test_a_part_that_never_comes_is_told_and_the_others_are_kept(tmp_path, server):

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from called import ROOT, truecut
+from called import ELBOW, ROOT, assert_same_diagnosis, diagnosed, diagnosed_of_csv, truecut
 from recordings import axes, write_rsi, write_rtde
 
-ELBOW = ROOT / "scenarios" / "diagnosis" / "elbow.toml"
 SEEDS = range(3)
 
 
@@ -98,14 +97,13 @@ def test_telegrams_of_rsi_are_rows(seed, tmp_path):
         assert values["RKorr.Y"]["smallest"] == answers["RKorr"]["Y"].min() and said["RKorr.A"][1] == "deg"
 
 
-@pytest.mark.parametrize("kind", ["rtde", "rsi"])
-def test_a_comparison_is_that_of_the_csv(kind, tmp_path):
-    """The arm's shipped case in the makers' forms: only names and units of columns change in the scenario."""
+def elbow_as(kind: str, folder: Path) -> Path:
+    """The arm's shipped case in a maker's form: only names and units of columns change in the scenario."""
     table = np.loadtxt(ELBOW.with_suffix(".csv"), delimiter=",", skiprows=1)
     time, commands, rest = table[:, 0], table[:, 1:3], table[:, 3:]
     own = ELBOW.read_text().replace("../../", f"{ROOT}/")
     if kind == "rtde":
-        file = tmp_path / "elbow.csv"
+        file = folder / "elbow.csv"
         padded = np.hstack([np.radians(commands), np.zeros((len(time), 4))])
         fields = {"timestamp": time, "target_q": padded, "torque": rest[:, :2], "height_mm": rest[:, 2]}
         write_rtde(file, fields)
@@ -113,7 +111,7 @@ def test_a_comparison_is_that_of_the_csv(kind, tmp_path):
         names |= {f"torque_{k}_n_m": f"torque_{k - 1}" for k in (1, 2)}
         own = own.replace('unit = "deg"', 'unit = "rad"')
     else:
-        file = tmp_path / "elbow.xml"
+        file = folder / "elbow.xml"
         elements = {"ASPos": axes(commands), "Torque": axes(rest[:, :2]), "RIst": {"Z": rest[:, 2]}}
         write_rsi(file, 1000 + np.round(time * 1000), elements)
         names = {f"command_{k}_deg": f"ASPos.A{k}" for k in (1, 2)} | {"height_mm": "RIst.Z"}
@@ -121,10 +119,15 @@ def test_a_comparison_is_that_of_the_csv(kind, tmp_path):
         own = own.replace('time = "t_s"', 'time = "IPOC"\ntime_unit = "ms"')
     for old, new in names.items():
         own = own.replace(f'"{old}"', f'"{new}"')
-    scenario = tmp_path / "elbow.toml"
+    scenario = folder / "elbow.toml"
     scenario.write_text(own.replace('"elbow.csv"', f'"{file.name}"'))
+    return scenario
+
+
+@pytest.mark.parametrize("kind", ["rtde", "rsi"])
+def test_a_comparison_is_that_of_the_csv(kind, tmp_path):
     told = []
-    for index, path in enumerate((ELBOW, scenario)):
+    for index, path in enumerate((ELBOW, elbow_as(kind, tmp_path))):
         truecut("compare", path, "--out", tmp_path / str(index))
         (report,) = (tmp_path / str(index)).rglob("compare.json")
         told.append(json.loads(report.read_text()))
@@ -135,3 +138,8 @@ def test_a_comparison_is_that_of_the_csv(kind, tmp_path):
         assert one["level"]["samples"] == level["samples"] > 1000
         for key in ("rms_error", "nrmse", "largest_error"):
             assert np.isclose(one["level"][key], level[key], rtol=1e-6, atol=0), (name, key)
+
+
+@pytest.mark.parametrize("kind", ["rtde", "rsi"])
+def test_a_diagnosis_is_that_of_the_csv(kind, tmp_path):
+    assert_same_diagnosis(diagnosed(elbow_as(kind, tmp_path), tmp_path / "out"), diagnosed_of_csv())

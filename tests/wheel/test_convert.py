@@ -157,21 +157,45 @@ def test_numbers_come_back_to_the_bit(seed, kind, ending, with_arrays, tmp_path)
     assert set(read(chosen)) == {name for name in expected if "deep" in name or name in ("counts", "run.t")}
 
 
-@pytest.mark.parametrize("kind", WRITERS)
-def test_a_comparison_is_that_of_the_csv(kind, with_arrays, tmp_path):  # noqa: F811
+def elbow_as(kind: str, python: Path, folder: Path) -> Path:
+    """The measurements of the shipped scenario, written as such a file and converted."""
     names = ELBOW.read_text().splitlines()[0].split(",")
     values = np.loadtxt(ELBOW, delimiter=",", skiprows=1)
-    file, out = tmp_path / f"elbow_{kind}", tmp_path / "elbow.parquet"
+    file, out = folder / f"elbow_{kind}", folder / "elbow.parquet"
     WRITERS[kind](file, {name: column for name, column in zip(names, values.T)})
-    convert(with_arrays, file, "-o", out)
-    scenario = ROOT / "scenarios" / "diagnosis" / "elbow.toml"
+    convert(python, file, "-o", out)
+    return out
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_comparison_is_that_of_the_csv(kind, with_arrays, tmp_path):  # noqa: F811
     told = []
-    for data in (ELBOW, out):
+    for data in (ELBOW, elbow_as(kind, with_arrays, tmp_path)):
         folder = tmp_path / data.suffix[1:]
-        program("compare", scenario, "--data", data, "--out", folder)
+        program("compare", ELBOW.with_suffix(".toml"), "--data", data, "--out", folder)
         (report,) = folder.rglob("compare.json")
         told.append(json.loads(report.read_text().replace(str(data), "DATA"))["channels"])
     assert told[0] and told[0] == told[1]
+
+
+@pytest.mark.parametrize("kind", ["5z.mat", "73.mat", "plain.h5"])
+def test_a_diagnosis_is_that_of_the_csv(kind, with_arrays, of_csv, tmp_path):  # noqa: F811
+    """The numbers are the same to the bit, and so is what is said of them."""
+    told = diagnosed(elbow_as(kind, with_arrays, tmp_path), tmp_path / "out")
+    assert told == of_csv and told["verdict"] == "named" and told["causes"]
+
+
+def diagnosed(data: Path, out: Path) -> dict:
+    """What a diagnosis of these measurements says, but for where they lie."""
+    program("diagnose", ELBOW.with_suffix(".toml"), "--data", data, "--out", out)
+    (report,) = out.rglob("diagnosis.json")
+    told = json.loads(report.read_text())
+    return {key: told[key] for key in ("verdict", "causes")}
+
+
+@pytest.fixture(scope="module")
+def of_csv(tmp_path_factory) -> dict:
+    return diagnosed(ELBOW, tmp_path_factory.mktemp("csv"))
 
 
 def test_what_matlab_wrote_is_read(with_arrays, tmp_path):  # noqa: F811
