@@ -51,6 +51,7 @@ pub(super) fn difference(first: &Observation, second: &Observation, at: Overlap)
             // Either rounding stays, whatever the other does.
             noise_error: a.noise_error.max(b.noise_error),
             held_step: a.held_step.hypot(b.held_step),
+            noise_of_inputs: a.noise_of_inputs.hypot(b.noise_of_inputs),
         }
     });
     let shifted = |range: &Range<usize>| {
@@ -95,6 +96,7 @@ pub(super) fn one_after_the_other(first: &Observation, second: &Observation) -> 
             noise_without_memory: mean(a.noise_without_memory, b.noise_without_memory),
             noise_error: a.noise_error.max(b.noise_error),
             held_step: mean(a.held_step, b.held_step),
+            noise_of_inputs: mean(a.noise_of_inputs, b.noise_of_inputs),
         }
     });
     let interval_s = (second.time_s.get(1)).map_or(0.0, |next| next - second.time_s[0]);

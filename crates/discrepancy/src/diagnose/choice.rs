@@ -9,7 +9,6 @@ use super::screen::critical;
 use super::search::{DECISIVE, Search};
 use super::smooth::price;
 use super::validate::{Paired, compare, gain_in_size, objective, rms};
-use crate::stats::deviation;
 
 /// The validation gain must be beyond so many standard errors; detection on the training rows has
 /// come before, and it is there that chance is kept out.
@@ -111,7 +110,7 @@ impl Search<'_, '_> {
     }
 }
 
-/// What changes no output by more than this part of what it does is lost in the error of the
+/// What changes no output by more than this part of what it does by itself is lost in the error of the
 /// simulation itself (benches/README.md).
 const NUMERICAL: f64 = 5e-4;
 
@@ -119,11 +118,10 @@ const NUMERICAL: f64 = 5e-4;
 fn is_beyond_numerics(problem: &Problem, small: &Fit, large: &Fit) -> bool {
     let rows = &problem.split.development;
     let change = rms(&difference(&small.residual, &large.residual, 1.0), rows);
-    change.iter().enumerate().any(|(c, change)| {
-        let measured = &problem.data.outputs[c].values;
-        let own: Vec<f64> = rows.per_channel[c].iter().map(|&t| measured[t]).collect();
-        *change > NUMERICAL * deviation(&own)
-    })
+    change
+        .iter()
+        .enumerate()
+        .any(|(c, change)| *change > NUMERICAL * problem.data.own_motion(c, &rows.per_channel[c]))
 }
 
 /// Bayesian information criterion on training and validation rows together, with noise of the given

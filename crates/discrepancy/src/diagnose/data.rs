@@ -7,6 +7,7 @@ use truecut_recording::filter::Butterworth;
 use super::DiagnoseError;
 use super::floor::NoiseSample;
 use crate::model::Columns;
+use crate::stats::deviation;
 
 /// One measured output.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +28,9 @@ pub struct Output {
     /// Step between readings that hold still from one sample to the next, before any filter: what
     /// rounding leaves of them comes again with the motion. 0 where noise moves them.
     pub held_step: f64,
+    /// Standard deviation of what the noise of measured inputs makes of the prediction; 0 where it
+    /// is not known or there are none.
+    pub noise_of_inputs: f64,
 }
 
 /// A known signal that a residual may depend on: a measured input, a spindle angle.
@@ -128,6 +132,20 @@ impl Observation {
             return Err(DiagnoseError::Trajectories);
         }
         Ok(())
+    }
+
+    /// Deviation of what an output does by itself at the rows: a joint that follows its command does
+    /// so in the simulation, too, however far, and what that errs by is a part of the difference.
+    pub(super) fn own_motion(&self, output: usize, rows: &[usize]) -> f64 {
+        let measured = &self.outputs[output].values;
+        let beside = |known: Option<&Regressor>| {
+            let rows = rows.iter();
+            let apart = rows.map(|&t| measured[t] - known.map_or(0.0, |known| known.values[t]));
+            deviation(&apart.collect::<Vec<f64>>())
+        };
+        let known = self.regressors.iter().filter(|known| !known.is_angle);
+        let beside_known = known.map(|known| beside(Some(known)));
+        beside_known.fold(beside(None), f64::min)
     }
 
     /// Measured minus predicted; zero where the data are not valid.

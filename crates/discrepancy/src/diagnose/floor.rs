@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::data::{Output, Rows};
+use super::data::{Observation, Output, Rows};
 use super::noise::{ChannelNoise, dot};
 use crate::stats::{centred, deviation, mean};
 
@@ -78,7 +78,9 @@ const LAGS: usize = 4;
 const SAMPLES_PER_LAG: usize = 40;
 /// Samples of a stretch, from which on an autoregression is fitted to it.
 const LONG: usize = 200;
-/// A model's own numerical error, as a part of what an output does (benches/README.md).
+/// Part of an output's own noise from which on that of the inputs changes its colour.
+const OF_INPUTS: f64 = 0.3;
+/// A model's own numerical error, as a part of what an output does by itself (benches/README.md).
 const NUMERICAL: f64 = 3e-3;
 
 /// What is known of the noise of one output.
@@ -109,15 +111,16 @@ pub(super) struct Beyond {
 }
 
 impl Floor {
-    /// Of an output; `None` if nothing is known.
-    pub fn of(output: &Output) -> Option<Floor> {
+    /// Of an output whose own motion has this deviation; `None` if nothing is known.
+    pub fn of(output: &Output, own_motion: f64) -> Option<Floor> {
         let rows = output.values.iter().zip(&output.valid);
         let kept: Vec<f64> = rows.filter(|(_, valid)| **valid).map(|(y, _)| *y).collect();
         let quantum = quantum(&kept);
         let rounding = quantum.max(output.held_step) / 12_f64.sqrt();
-        let numerical = NUMERICAL * deviation(&kept);
+        let numerical = NUMERICAL * own_motion;
         if let Some(noise) = output.noise {
             let noise = noise.max(output.held_step / 12_f64.sqrt());
+            let noise = noise.hypot(output.noise_of_inputs);
             return Some(Floor {
                 source: NoiseSource::Stated,
                 rms: noise,
@@ -136,14 +139,18 @@ impl Floor {
         }
         let memory = memory(&sample.stretches);
         // A sensor that does not move within one of its steps has the noise of rounding.
-        let rms = (squares / free).sqrt().max(rounding);
+        let own = (squares / free).sqrt().max(rounding);
+        let rms = own.hypot(output.noise_of_inputs);
         Some(Floor {
             source: sample.source,
             rms,
             window: Some(sample.length()),
             error: (2.0 * memory / free).sqrt(),
             memory: Some(memory),
-            whitening: whitening(sample, rms),
+            // What comes from the inputs has another colour.
+            whitening: (output.noise_of_inputs < OF_INPUTS * own)
+                .then(|| whitening(sample, rms))
+                .flatten(),
             numerical,
         })
     }
@@ -232,8 +239,14 @@ impl Floor {
 }
 
 /// Of each output, where it is known.
-pub(super) fn floors(outputs: &[Output]) -> Vec<Option<Floor>> {
-    outputs.iter().map(Floor::of).collect()
+pub(super) fn floors(data: &Observation) -> Vec<Option<Floor>> {
+    let floor = |(c, output): (usize, &Output)| {
+        let valid: Vec<usize> = (0..output.values.len())
+            .filter(|&t| output.valid[t])
+            .collect();
+        Floor::of(output, data.own_motion(c, &valid))
+    };
+    data.outputs.iter().enumerate().map(floor).collect()
 }
 
 /// An autoregression of the sample, of an order that its length allows.

@@ -131,7 +131,7 @@ impl<'a> Problem<'a> {
             nominal: model.nominal(),
             split: Split::new(data),
             floor: floor.collect(),
-            known: floors(&data.outputs),
+            known: floors(data),
             budget: Budget::new(options, progress),
         }
     }

@@ -224,6 +224,9 @@ impl Trial {
             facts.joints.len(),
         ));
         measured.notes.extend(estimates(scenario, &robots)?);
+        if let Kind::Inverse { model, .. } = &engine {
+            measured.notes.extend(model.beyond_limits());
+        }
         let mut trial = Trial {
             candidates: zeros::shown(&engine, known.absent),
             held: known.held,

@@ -2,6 +2,7 @@
 //! differences in time.
 
 mod carried;
+mod inputs;
 mod period;
 mod steps;
 
@@ -11,6 +12,7 @@ use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::InverseModel;
 
 use self::carried::{Filter, carried};
+pub(crate) use self::inputs::of_inputs;
 use self::period::period;
 pub(crate) use self::period::{cubic, weights};
 pub(crate) use self::steps::held_step;

@@ -8,6 +8,7 @@ use truecut_scenario::{DriveKind, ProcessSpec, ReplayMode, Scenario};
 use truecut_sim::run::Rows;
 use truecut_sim::{InverseModel, SimError};
 
+use super::noise::of_inputs;
 use super::signals::column;
 use super::{parallel, sampling};
 use crate::diagnose::{Fine, Observation, Output, Regressor};
@@ -39,6 +40,7 @@ pub(super) fn observation(
             sample: None,
             noise_without_memory: 0.0,
             held_step: 0.0,
+            noise_of_inputs: 0.0,
             noise_error: 0.0,
         })
         .collect();
@@ -85,7 +87,8 @@ pub(super) fn observation(
 }
 
 /// In mode "inverse" the places and velocities of the joints are known signals: places as they are
-/// before thinning, too, since what waves over them is filtered like the outputs.
+/// before thinning, too, since what waves over them is filtered like the outputs. Their noise is in
+/// what is predicted.
 pub(super) fn add_motion(
     observation: &mut Observation,
     scenario: &Scenario,
@@ -120,6 +123,11 @@ pub(super) fn add_motion(
         ));
         known.push(Regressor::new(format!("rate of {name}"), rate.collect()));
         fine.push(Regressor::new(name, channel.values.clone()));
+    }
+    // With noise a joint may go too far beyond its limits: then nothing is known of it.
+    let sizes = of_inputs(scenario, measured).unwrap_or_default();
+    for (output, size) in observation.outputs.iter_mut().zip(sizes) {
+        output.noise_of_inputs = size;
     }
     observation.fine = Some(Fine {
         signals: fine,

@@ -146,11 +146,34 @@ impl<'a> Source<'a> {
         joint: usize,
         channel: &MeasuredChannel,
     ) -> Result<(), SimError> {
+        self.within(robot, joint, channel, 0.0)
+    }
+
+    /// [`Source::within_limits`] of a motion that an arm has made: its file may give a limit short
+    /// of the machine's own, but not by a tenth of the range.
+    pub(crate) fn made_within_limits(
+        &self,
+        robot: &Robot,
+        joint: usize,
+        channel: &MeasuredChannel,
+    ) -> Result<(), SimError> {
+        self.within(robot, joint, channel, MOST_BEYOND)
+    }
+
+    fn within(
+        &self,
+        robot: &Robot,
+        joint: usize,
+        channel: &MeasuredChannel,
+        part_beyond: f64,
+    ) -> Result<(), SimError> {
         let joint = &robot.chain.joints[joint];
         let Some(limits) = joint.limits else {
             return Ok(());
         };
-        let outside = |value: &&f64| **value < limits.lower || **value > limits.upper;
+        let beyond = part_beyond * (limits.upper - limits.lower);
+        let outside =
+            |value: &&f64| **value < limits.lower - beyond || **value > limits.upper + beyond;
         let Some(value) = channel.values.iter().find(outside) else {
             let speed = fast(&channel.values) / self.measured.interval_s();
             let may_be = MOST_OVER_SPEED * limits.velocity;
@@ -178,6 +201,8 @@ impl<'a> Source<'a> {
     }
 }
 
+/// Part of its range by which a joint may have moved beyond the limits in its file.
+const MOST_BEYOND: f64 = 0.1;
 /// A command faster than so many times the joint's limit is no command of that joint.
 const MOST_OVER_SPEED: f64 = 20.0;
 /// Part of the steps between samples that may be larger: spikes, a jump.

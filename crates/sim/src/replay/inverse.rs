@@ -1,11 +1,13 @@
 //! Measured motion in, drive forces out.
 //!
 //! The coordinates go through a zero-phase Butterworth filter of fourth order and are
-//! differentiated twice by central differences. The rigid arm's inverse dynamics, its rotors and
+//! differentiated twice by differences (central ones of second order as published, of sixth order
+//! where a period of the cutoff has fewer than ten samples). The rigid arm's inverse dynamics, its rotors and
 //! its friction give the drive forces; these and the measured ones go through one and the same
 //! second filter, so that neither leads nor lags. The practice is that of `gautier1997` and
 //! `janot2014`.
 
+mod limits;
 mod set_ups;
 
 use super::drive_forces::{FILTER_ORDER, filtered};
@@ -60,9 +62,8 @@ impl InverseModel {
         let rate = measured.rate_hz();
         check_cutoff("differentiate_cutoff_hz", differentiate_hz, rate)?;
         check_cutoff("compare_cutoff_hz", compare_hz, rate)?;
-        let smooth = Butterworth::low_pass(FILTER_ORDER, differentiate_hz, rate);
         let filter = InverseModel::filter_of(compare_hz, rate);
-        let motion = Motion::new(&robot, &source, &smooth)?;
+        let motion = Motion::new(&robot, &source, differentiate_hz)?;
         let model = InverseModel {
             nominal: nominal(&robot, &motion, &joints, &filter),
             body: BodyRegressors::new(&robot, &motion, &joints, &filter, robot.dof() - 1),

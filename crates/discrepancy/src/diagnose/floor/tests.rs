@@ -22,9 +22,13 @@ fn drawn(colour: Colour, seed: u64, stretches: usize, length: usize) -> (Floor, 
         sample: NoiseSample::of(NoiseSource::Standstill, sample, 40),
         noise_without_memory: 0.0,
         held_step: 0.0,
+        noise_of_inputs: 0.0,
         noise_error: 0.0,
     };
-    (Floor::of(&output).unwrap(), own.to_vec())
+    (
+        Floor::of(&output, deviation(&output.values)).unwrap(),
+        own.to_vec(),
+    )
 }
 
 #[test]
@@ -82,9 +86,10 @@ fn a_sensor_at_rest_has_the_noise_of_its_steps() {
         sample: NoiseSample::of(NoiseSource::Standstill, vec![vec![0.0; 100]], 40),
         noise_without_memory: 0.0,
         held_step: 0.0,
+        noise_of_inputs: 0.0,
         noise_error: 0.0,
     };
-    let floor = Floor::of(&output).unwrap();
+    let floor = Floor::of(&output, deviation(&output.values)).unwrap();
     assert!((floor.rms / (step / 12_f64.sqrt()) - 1.0).abs() < 1e-6);
 }
 

@@ -44,6 +44,7 @@ pub(in crate::diagnose) fn observed(
                 sample: None,
                 noise_without_memory: 0.0,
                 held_step: 0.0,
+                noise_of_inputs: 0.0,
                 noise_error: 0.0,
             }
         });
