@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use truecut_arm::{FrameId, Robot};
-use truecut_plan::cam::{CamOptions, WorkSetup};
+use truecut_plan::cam::{CamOptions, Rapid, WorkSetup};
 use truecut_plan::motion::trajectory::WINDOW_S;
 use truecut_plan::path_file::{PathFile, PathFileKind, PathFileMotion};
 use truecut_plan::program::{
@@ -29,7 +29,9 @@ fn cam(file: &Path, world_from_work: Isometry3<f64>) -> PathFile {
             setup: WorkSetup {
                 world_from_work,
                 spin_rad: None,
-                rapid_m_per_s: 0.25,
+                rapid: Rapid::Line {
+                    speed_m_per_s: 0.25,
+                },
                 joint_share: 1.0,
                 zone_m: None,
             },
