@@ -141,8 +141,8 @@ impl Net {
 impl Mesh {
     /// The edge at a point: pieces that stand out by the crease angle or more, from one to the next
     /// as far as no third meets them and the way turns by less than that angle. An open one begins
-    /// at the end that is nearer to the point, a closed one at the point, and runs counter-clockwise
-    /// seen from where its faces look to.
+    /// at the end that is nearer to the point, a closed one at the point, and runs
+    /// counter-clockwise seen from where its faces look to.
     ///
     /// # Errors
     /// If no such edge lies within a thousandth of the body's diagonal.

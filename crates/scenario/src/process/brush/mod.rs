@@ -1,5 +1,5 @@
-//! The `[process.brush]` table: a wheel brush deburrs edges of a mesh, led by taught postures, along a
-//! path from a file, or along the edges themselves.
+//! The `[process.brush]` table: a wheel brush deburrs edges of a mesh, led by taught postures,
+//! along a path from a file, or along the edges themselves.
 
 mod along;
 mod edge;
