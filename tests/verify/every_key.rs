@@ -64,8 +64,8 @@ const BELT_COMPLIANT: &str = include_str!("every_key/belt_compliant.toml");
 const PATH_MILLING: &str = include_str!("every_key/path_milling.toml");
 
 const BRUSH: &str = include_str!("every_key/brush.toml");
-/// Around a bolt hole: on a straight edge the step of points changes nothing. Its pieces are
-/// 0.498 mm long: one or two places on each.
+/// Around a pocket: its sides are fed at the feed, in its corners the wrist is as fast as its share
+/// lets it, and the step of points counts.
 const BRUSH_ALONG: &str = include_str!("every_key/brush_along.toml");
 
 fn run(text: &str, overrides: &[(String, String)]) -> Recording {

@@ -188,7 +188,11 @@ fn led_by_every_dialect(drawn: &[([f64; 3], [f64; 3])]) {
     let points: Vec<PathPoint> = drawn.iter().enumerate().map(point).collect();
     let base = Isometry3::identity();
     let tool = Tool::of(&robot, "tool0", 1);
-    let options = TravelOptions::default();
+    // Between two points drawn freely a joint may go further than from contact to contact.
+    let options = TravelOptions {
+        largest_step: PI,
+        ..TravelOptions::default()
+    };
     let program = Program::along(&robot, "LED", tool, base, &points, &options).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for name in ["jbi", "rapid", "krl", "urscript", "ls"] {
