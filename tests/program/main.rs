@@ -9,6 +9,7 @@ mod compare;
 mod completions;
 mod coupled;
 mod diagnose;
+mod edges;
 mod excite;
 mod fit;
 mod identify;

@@ -64,6 +64,9 @@ const BELT_COMPLIANT: &str = include_str!("every_key/belt_compliant.toml");
 const PATH_MILLING: &str = include_str!("every_key/path_milling.toml");
 
 const BRUSH: &str = include_str!("every_key/brush.toml");
+/// Around a pocket: its sides are fed at the feed, in its corners the wrist is as fast as its share
+/// lets it, and the step of points counts.
+const BRUSH_ALONG: &str = include_str!("every_key/brush_along.toml");
 
 fn run(text: &str, overrides: &[(String, String)]) -> Recording {
     let at = repository().join("scenarios/arm/every_key.toml");
@@ -177,6 +180,7 @@ fn every_key_of_belt_finishing_counts() {
 #[test]
 fn every_key_of_brushing_counts() {
     check(BRUSH, 17);
+    check(BRUSH_ALONG, 24);
 }
 
 #[test]

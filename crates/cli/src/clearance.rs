@@ -40,11 +40,16 @@ impl Checked {
         cell.map_err(|error| file.refused(&error).into())
     }
 
-    /// The cell of a path job, which has a part and a tool of its own.
-    pub fn cell_of_job(robot: &Robot, path: &Path, own: &Own<'_>) -> Result<Cell, Failure> {
+    /// The cell of a path job, or of a scenario with a way of its own: part and tool are theirs.
+    pub fn cell_of_job(
+        robot: &Robot,
+        path: &Path,
+        own: &Own<'_>,
+        whose: &str,
+    ) -> Result<Cell, Failure> {
         let file = CellFile::load(path, &robot.frames.flange_from_tool)?;
         if file.setup.part.is_some() {
-            let message = "`part` has no effect: the path job gives the part";
+            let message = format!("`part` has no effect: {whose} gives the part");
             return Err(file.problem("part", message).into());
         }
         let cell = Cell::new(robot, &file.setup, own);

@@ -47,6 +47,7 @@ pub mod cam;
 mod chain;
 pub mod clearance;
 mod criterion;
+pub mod edge_path;
 mod error;
 mod intervals;
 pub mod lobes;

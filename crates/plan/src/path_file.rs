@@ -92,6 +92,70 @@ struct Read {
 }
 
 impl Read {
+    /// A path of CAM's, for a tool.
+    fn of_cam(
+        robot: &Robot,
+        start: Start<'_>,
+        tool: Tool,
+        path: &CamPath,
+        file: &Path,
+        setup: &WorkSetup,
+    ) -> Result<Read, ProgramError> {
+        let head = Program {
+            name: String::new(),
+            comment: String::new(),
+            tool,
+            world_from_base: Isometry3::identity(),
+            moves: Vec::new(),
+            spindle: Vec::new(),
+            notes: Vec::new(),
+        };
+        // Lines may be long: what lies between their ends is looked at when it is followed.
+        let travel = TravelOptions {
+            largest_step: std::f64::consts::PI,
+            ..TravelOptions::default()
+        };
+        let program = cam::follow(start, robot, head, path, file, setup, &travel)?;
+        let points = path.points.iter();
+        Ok(Read {
+            program,
+            lines: points.clone().map(|one| one.line).collect(),
+            rapid: points.map(|one| one.feed_m_per_s.is_none()).collect(),
+            world_from_work: setup.world_from_work,
+            spindle: Some(path.spindle_at_cuts()),
+        })
+    }
+
+    /// An arm led along it: share of the joints' speeds on lines, time between knots, longest time.
+    fn led(
+        self,
+        file: &Path,
+        robot: &Robot,
+        (joint_share, interval_s, longest_s): (f64, f64, f64),
+    ) -> Result<PathFileMotion, ProgramError> {
+        let task = LedTask {
+            robot,
+            program: &self.program,
+            joint_share,
+            interval_s,
+            longest_s,
+        };
+        let motion = task.solve().map_err(|error| {
+            let point = error.kind().path_point();
+            let line = point.and_then(|point| self.lines.get(point).copied());
+            ProgramError::in_file(file, line, error.into_kind())
+        })?;
+        let way = self.way(&motion.reached_s);
+        let Read { program, lines, .. } = self;
+        Ok(PathFileMotion {
+            motion,
+            points: program.moves.len(),
+            lines,
+            notes: program.notes,
+            way,
+        })
+    }
+
     fn way(&self, reached_s: &[f64]) -> Way {
         let program = &self.program;
         let work_from_base = self.world_from_work.inverse() * program.world_from_base;
@@ -118,6 +182,35 @@ impl Read {
     }
 }
 
+/// A path that was laid on a part, of the robot's own tool, and how it stands.
+#[derive(Debug, Clone, Copy)]
+pub struct LaidPath<'a> {
+    pub path: &'a CamPath,
+    /// The part's file, which errors name.
+    pub file: &'a Path,
+    pub setup: WorkSetup,
+    /// Largest speed of a joint on lines, share of its top speed.
+    pub joint_share: f64,
+}
+
+impl LaidPath<'_> {
+    /// Leads the arm, which has rotary joints only, along it.
+    ///
+    /// # Errors
+    /// With the line of the point that the arm cannot be led to.
+    pub fn motion(
+        &self,
+        robot: &Robot,
+        start: Start<'_>,
+        interval_s: f64,
+        longest_s: f64,
+    ) -> Result<PathFileMotion, ProgramError> {
+        let tool = Tool::of(robot, "tool", 0);
+        let read = Read::of_cam(robot, start, tool, self.path, self.file, &self.setup)?;
+        read.led(self.file, robot, (self.joint_share, interval_s, longest_s))
+    }
+}
+
 impl PathFile {
     /// Reads the file and leads the arm, which has rotary joints only, along it.
     ///
@@ -131,28 +224,8 @@ impl PathFile {
         longest_s: f64,
     ) -> Result<PathFileMotion, ProgramError> {
         let read = self.read(robot, start)?;
-        let (program, lines) = (&read.program, &read.lines);
-        let task = LedTask {
-            robot,
-            program,
-            joint_share: self.joint_share,
-            interval_s,
-            longest_s,
-        };
-        let motion = task.solve().map_err(|error| {
-            let point = error.kind().path_point();
-            let line = point.and_then(|point| lines.get(point).copied());
-            ProgramError::in_file(&self.file, line, error.into_kind())
-        })?;
-        let way = read.way(&motion.reached_s);
-        let Read { program, lines, .. } = read;
-        Ok(PathFileMotion {
-            motion,
-            points: program.moves.len(),
-            lines,
-            notes: program.notes,
-            way,
-        })
+        let times = (self.joint_share, interval_s, longest_s);
+        read.led(&self.file, robot, times)
     }
 
     /// The path as the file has it; `None` of a robot program.
@@ -190,29 +263,7 @@ impl PathFile {
                     flange_from_tool,
                     ..tool
                 };
-                let head = Program {
-                    name: String::new(),
-                    comment: String::new(),
-                    tool,
-                    world_from_base: Isometry3::identity(),
-                    moves: Vec::new(),
-                    spindle: Vec::new(),
-                    notes: Vec::new(),
-                };
-                // Lines may be long: what lies between their ends is looked at when it is followed.
-                let travel = TravelOptions {
-                    largest_step: std::f64::consts::PI,
-                    ..TravelOptions::default()
-                };
-                let program = cam::follow(start, robot, head, &path, file, setup, &travel)?;
-                let points = path.points.iter();
-                Ok(Read {
-                    program,
-                    lines: points.clone().map(|one| one.line).collect(),
-                    rapid: points.map(|one| one.feed_m_per_s.is_none()).collect(),
-                    world_from_work: setup.world_from_work,
-                    spindle: Some(path.spindle_at_cuts()),
-                })
+                Read::of_cam(robot, start, tool, &path, file, setup)
             }
             PathFileKind::Program {
                 dialect,

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use truecut_arm::{FrameId, Robot};
-use truecut_plan::cam::{CamOptions, WorkSetup};
+use truecut_plan::cam::{CamOptions, Rapid, WorkSetup};
 use truecut_plan::motion::trajectory::WINDOW_S;
 use truecut_plan::path_file::{PathFile, PathFileKind, PathFileMotion};
 use truecut_plan::program::{
@@ -29,7 +29,9 @@ fn cam(file: &Path, world_from_work: Isometry3<f64>) -> PathFile {
             setup: WorkSetup {
                 world_from_work,
                 spin_rad: None,
-                rapid_m_per_s: 0.25,
+                rapid: Rapid::Line {
+                    speed_m_per_s: 0.25,
+                },
                 joint_share: 1.0,
                 zone_m: None,
             },
@@ -186,7 +188,11 @@ fn led_by_every_dialect(drawn: &[([f64; 3], [f64; 3])]) {
     let points: Vec<PathPoint> = drawn.iter().enumerate().map(point).collect();
     let base = Isometry3::identity();
     let tool = Tool::of(&robot, "tool0", 1);
-    let options = TravelOptions::default();
+    // Between two points drawn freely a joint may go further than from contact to contact.
+    let options = TravelOptions {
+        largest_step: PI,
+        ..TravelOptions::default()
+    };
     let program = Program::along(&robot, "LED", tool, base, &points, &options).unwrap();
     let folder = tempfile::tempdir().unwrap();
     for name in ["jbi", "rapid", "krl", "urscript", "ls"] {

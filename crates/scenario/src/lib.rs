@@ -98,7 +98,7 @@ pub use foot::FootSpec;
 pub use identification::Identification;
 pub use path_job::PathJob;
 pub use process::belt::{BeltJob, BeltSpec};
-pub use process::brush::{BrushSpec, BrushWay, EdgeSpec};
+pub use process::brush::{AlongEdges, BrushSpec, BrushWay, EdgePlace, EdgeSpec};
 pub use process::chamfer::{ChamferSpec, FeedDirection, Regeneration};
 pub use process::load::{ForceSweep, LoadFrame, LoadSpec, RotatingForce};
 pub use process::milling::{MillingSpec, PlannedPath};

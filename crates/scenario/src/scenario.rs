@@ -101,6 +101,17 @@ impl Scenario {
         Scenario::from_str_with(processes, path, &text, overrides)
     }
 
+    /// Whether a file is a scenario that lays its own way, for which there is a robot program; that
+    /// it can be read as one is not said.
+    pub fn lays_a_way(path: &Path) -> bool {
+        let text = read_text("scenario", path).ok();
+        let document = text.and_then(|text| text.parse::<DocumentMut>().ok());
+        document.is_some_and(|document| {
+            let process = document.get("process").and_then(|one| one.get("brush"));
+            process.and_then(|brush| brush.get("along")).is_some()
+        })
+    }
+
     /// Reads a scenario from a text. `path` names it in errors, and its folder resolves relative
     /// paths.
     ///

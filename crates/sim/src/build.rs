@@ -10,7 +10,8 @@ use crate::estimates;
 use crate::measurement::Sensors;
 use crate::plant::{Drive, JointLaw};
 use crate::posture::check_limits;
-use crate::process::{self, Process, SetupContext, Start};
+
+use crate::process::{self, Process, ReadPart, SetupContext, Start};
 use crate::robots::Robots;
 use crate::scene::{DrawWorkpiece, Tooling};
 use crate::step_size::{self, Scheme};
@@ -47,6 +48,7 @@ pub(crate) struct Prepared {
     pub process: Box<dyn Process>,
     pub workpiece: DrawWorkpiece,
     pub tooling: Tooling,
+    pub part: ReadPart,
     /// Whether the arm follows a path that was solved as a whole, and over which normal.
     pub is_path: bool,
     pub surface_normal: Option<Vector3<f64>>,
@@ -123,7 +125,7 @@ impl Prepared {
         let unfinished = made.unfinished(scenario.run.duration_s);
         let is_path = made.follows_path();
         let (tooling, surface_normal) = (made.tooling, made.surface_normal);
-        let (mut process, workpiece) = (made.process, made.workpiece);
+        let (mut process, workpiece, part) = (made.process, made.workpiece, made.part);
         let touched = altered.robot.world_from_frame(&start, FrameId::Tool);
         let unloaded = world_from_process.translation;
         world_from_process.translation = touched.translation;
@@ -162,6 +164,7 @@ impl Prepared {
             process,
             workpiece,
             tooling,
+            part,
             is_path,
             surface_normal,
             duration_s,

@@ -9,7 +9,7 @@ use crate::contact::ContactSolver;
 use crate::error::SimError;
 use crate::guard::Guard;
 use crate::plant::Plant;
-use crate::process::{Process, tells_unfinished};
+use crate::process::{Process, StandingPart, tells_unfinished};
 use crate::scene::{Setting, Stage, scene};
 use crate::torque_use::TorqueUse;
 use deflection::PathDeflection;
@@ -81,6 +81,11 @@ impl Cell {
     /// The process's tool, for clearances.
     pub(crate) fn tools(&self) -> Vec<Tool> {
         self.setting.tools()
+    }
+
+    /// The part that the process works on, for clearances.
+    pub(crate) fn part(&self) -> Result<StandingPart, SimError> {
+        (self.setting.part)()
     }
 
     /// As [`Cell::header`], with the scene, for which the robot's meshes are read.

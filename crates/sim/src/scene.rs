@@ -11,7 +11,7 @@ pub use view::{Surroundings, arm_view, mesh_body};
 
 use crate::loads::Attachment;
 use crate::plant::Plant;
-use crate::process::Process;
+use crate::process::{Process, ReadPart};
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 use std::sync::Arc;
 use truecut_arm::Robot;
@@ -31,6 +31,8 @@ pub(crate) struct Setting {
     pub world_from_process: Isometry3<f64>,
     pub workpiece: DrawWorkpiece,
     pub tooling: Tooling,
+    /// The part that the process works on, for clearances.
+    pub part: ReadPart,
     pub deflection_scale: f64,
 }
 

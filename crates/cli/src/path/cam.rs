@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use truecut::outputs::write_file;
 use truecut_arm::{JointKind, Robot};
-use truecut_plan::cam::{self, CamOptions, CamPath, WorkSetup};
-use truecut_plan::clearance::Station;
+use truecut_plan::cam::{self, CamOptions, CamPath, Rapid, WorkSetup};
+use truecut_plan::clearance::{Cell, Station};
 use truecut_plan::program::{
     Dialect, Options, Program, ProgramError, Settings, Start, TravelOptions, dialect_named,
     maker_note, read_text,
@@ -20,7 +20,7 @@ use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::program::{RunThrough, replayed, run_through};
 use crate::progress::Progress;
-use crate::robot::{of_slides, posture, with_slides, without_tool};
+use crate::robot::{posture, slides_note, with_slides, without_tool};
 
 /// What the tool of a path from CAM is called: of what kind it is no file says.
 pub const TOOL: &str = "tool";
@@ -42,79 +42,177 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
             _ => 1e-3,
         },
     };
-    let read = cam::read(&text, file, &options).map_err(|error| refused(file, &error))?;
+    let read = cam::read(&text, file, &options).map_err(|error| refused(file, &error, None))?;
     check_spin(cam, &read, file)?;
-    let program = followed(arguments, &robot, dialect, head, &read)?;
-    let run = |tell: &(dyn Fn(f64) + Sync)| replayed(&program, &robot, file, tell);
-    let replay = Progress::of_one("run through", run)?;
-    let clearance = cell.map(|cell| {
-        let is_rapid = |point: usize| read.points[point].feed_m_per_s.is_none();
-        let stations = Station::of_replay(&program, &replay, is_rapid);
-        Checked::of(&robot, cell, stations)
-    });
-    let planned = Planned {
-        robot: &robot,
-        read: &read,
-        program: &program,
-        replay: &replay,
-        clearance: clearance.as_ref(),
-    };
-    let name = |point: usize| {
-        let line = read.points[point].line;
-        format!("line {line}, path point {point}")
-    };
-    let run = RunThrough {
-        robot: &robot,
-        program: &program,
-        replay: &replay,
-        deviation: None,
-        clearance: clearance.as_ref(),
-        point_name: &name,
-        acceleration_m_per_s2: cam.acceleration_m_per_s2,
-    };
-    let written = write(arguments, dialect, &settings, &planned, run.holds())?;
-    let status = run_through(&run)?;
-    if !run.holds() {
-        crate::print(UNWRITTEN)?;
-    }
-    if let Some((first, rest)) = written.split_first() {
-        crate::print(&format!("\n{}", crate::text::written(first, rest)))?;
-    }
-    Ok(status)
-}
-
-/// The program of a path that was read, with what there is to note.
-fn followed(
-    arguments: &PathArguments,
-    robot: &Robot,
-    dialect: &dyn Dialect,
-    head: Program,
-    read: &CamPath,
-) -> Result<Program, Failure> {
-    let (file, cam) = (&arguments.file, &arguments.cam);
-    let posture = start_posture(cam, robot)?;
+    let posture = start_posture(cam, &robot)?;
     let setup = WorkSetup {
         world_from_work: crate::program::frame(cam.work_xyz_mm, cam.work_rpy_deg),
         spin_rad: cam.spin_deg.map(f64::to_radians),
-        rapid_m_per_s: cam.rapid_mm_per_s.unwrap_or(250.0) * 1e-3,
+        rapid: Rapid::Line {
+            speed_m_per_s: cam.rapid_mm_per_s.unwrap_or(250.0) * 1e-3,
+        },
         joint_share: cam.joint_speed.unwrap_or(0.25),
         zone_m: cam.zone_mm.map(|mm| mm * 1e-3),
     };
-    // Lines may be long: what lies between their ends is looked at when they are run through.
-    let travel = TravelOptions {
-        largest_step: std::f64::consts::PI,
-        ..TravelOptions::default()
+    let slides_mm = cam.slide_mm.as_deref().unwrap_or_default();
+    let way = BeforeArm {
+        robot: &robot,
+        read: &read,
+        setup,
+        near: posture.as_deref(),
+        slides_m: slides_mm.iter().map(|mm| mm * 1e-3).collect(),
+        line_word: "line",
+        help: Some(
+            "--work-xyz-mm and --work-rpy-deg place the file before the arm; --spin-deg and \
+             --posture-deg choose other postures",
+        ),
     };
-    let start = posture.as_deref().map_or(Start::AtRest, Start::Near);
-    let program = cam::follow(start, robot, head, read, file, &setup, &travel);
-    let mut program = program.map_err(|error| refused(file, &error))?;
-    program.notes.extend(without_tool(robot));
-    program.notes.extend(maker_note(dialect, robot));
-    program
-        .notes
-        .extend(dialect.limits_note().map(str::to_owned));
-    program.notes.extend(of_slides(cam.slide_mm.as_deref()));
-    Ok(program)
+    way.planned(arguments, cell, dialect, &settings, head)
+}
+
+/// A path before an arm.
+pub(super) struct BeforeArm<'a> {
+    pub robot: &'a Robot,
+    pub read: &'a CamPath,
+    pub setup: WorkSetup,
+    /// The posture that it shall begin near to.
+    pub near: Option<&'a [f64]>,
+    /// Where slides stand, m.
+    pub slides_m: Vec<f64>,
+    /// What a line of it is called.
+    pub line_word: &'static str,
+    /// What to do where the arm cannot follow.
+    pub help: Option<&'static str>,
+}
+
+impl BeforeArm<'_> {
+    /// Finds postures, runs through, prints and writes.
+    pub(super) fn planned(
+        &self,
+        arguments: &PathArguments,
+        cell: Option<Cell>,
+        dialect: &dyn Dialect,
+        settings: &Settings,
+        head: Program,
+    ) -> Result<ExitStatus, Failure> {
+        let (robot, read, file) = (self.robot, self.read, &arguments.file);
+        let program = self.followed(file, dialect, head)?;
+        let run = |tell: &(dyn Fn(f64) + Sync)| replayed(&program, robot, file, tell);
+        let replay = Progress::of_one("run through", run)?;
+        let clearance = cell.map(|cell| {
+            let is_rapid = |point: usize| read.points[point].feed_m_per_s.is_none();
+            let stations = Station::of_replay(&program, &replay, is_rapid);
+            Checked::of(robot, cell, stations)
+        });
+        let planned = Planned {
+            robot,
+            read,
+            program: &program,
+            replay: &replay,
+            clearance: clearance.as_ref(),
+        };
+        let name = |point: usize| {
+            let line = read.points[point].line;
+            format!("{} {line}, path point {point}", self.line_word)
+        };
+        let run = RunThrough {
+            robot,
+            program: &program,
+            replay: &replay,
+            deviation: None,
+            clearance: clearance.as_ref(),
+            point_name: &name,
+            acceleration_m_per_s2: arguments.cam.acceleration_m_per_s2,
+        };
+        let written = self.write(arguments, dialect, settings, &planned, run.holds())?;
+        let status = run_through(&run)?;
+        if !run.holds() {
+            crate::print(UNWRITTEN)?;
+        }
+        if let Some((first, rest)) = written.split_first() {
+            crate::print(&format!("\n{}", crate::text::written(first, rest)))?;
+        }
+        Ok(status)
+    }
+
+    /// The program of the path, with what there is to note.
+    fn followed(
+        &self,
+        file: &Path,
+        dialect: &dyn Dialect,
+        head: Program,
+    ) -> Result<Program, Failure> {
+        // Lines may be long: what lies between their ends is looked at when they are run through.
+        let travel = TravelOptions {
+            largest_step: std::f64::consts::PI,
+            ..TravelOptions::default()
+        };
+        let start = self.near.map_or(Start::AtRest, Start::Near);
+        let robot = self.robot;
+        let program = cam::follow(start, robot, head, self.read, file, &self.setup, &travel);
+        let mut program = program.map_err(|error| self.refused(file, &error))?;
+        program.notes.extend(without_tool(robot));
+        program.notes.extend(maker_note(dialect, robot));
+        program
+            .notes
+            .extend(dialect.limits_note().map(str::to_owned));
+        let slides = (!self.slides_m.is_empty()).then(|| slides_note(&self.slides_m));
+        program.notes.extend(slides);
+        Ok(program)
+    }
+
+    /// What is wrong with the file, or where the arm cannot follow it.
+    fn refused(&self, file: &Path, error: &ProgramError) -> Failure {
+        let help = error.kind().path_point().and(self.help);
+        refused(file, error, help)
+    }
+
+    /// What a dialect cannot say: at the line that the point comes from.
+    fn unwritten(&self, file: &Path, error: &ProgramError) -> Failure {
+        let point = error.kind().path_point();
+        let line = point
+            .and_then(|at| self.read.points.get(at))
+            .map(|point| point.line);
+        let help = line.map(|_| {
+            "--posture-deg and --spin-deg choose other postures, --dialect another language"
+                .to_owned()
+        });
+        match self.help {
+            Some(_) => Failure::in_file(Some(file), line, error.message(), help),
+            None => {
+                let word = self.line_word;
+                let place = line.map_or_else(String::new, |line| format!("{word} {line}: "));
+                Failure::at(file, format!("{place}{}", error.message()))
+            }
+        }
+    }
+
+    fn write(
+        &self,
+        arguments: &PathArguments,
+        dialect: &dyn Dialect,
+        settings: &Settings,
+        planned: &Planned<'_>,
+        holds: bool,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let (robot, program) = (planned.robot, planned.program);
+        let stem = truecut_files::folder_name(&arguments.file, "path");
+        let folder = arguments.out.join(&stem);
+        // First what can be refused.
+        let files = dialect
+            .write(program, robot, settings)
+            .map_err(|error| self.unwritten(&arguments.file, &error))?;
+        let (points, recording) = (folder.join("path.csv"), folder.join("path.rrd"));
+        let table = table(planned, self.line_word, &self.slides_m);
+        write_file(
+            &points,
+            &table.map_err(|error| Failure::at(&points, error))?,
+        )?;
+        record(planned, &recording)?;
+        let mut written = vec![points, recording];
+        written.extend(super::files::programs(&folder, files, holds)?);
+        Ok(written)
+    }
 }
 
 fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
@@ -169,13 +267,13 @@ fn start_posture(cam: &CamArguments, robot: &Robot) -> Result<Option<Vec<f64>>, 
     Ok(Some(posture))
 }
 
-fn dialect(cam: &CamArguments) -> Result<&'static dyn Dialect, Failure> {
+pub(super) fn dialect(cam: &CamArguments) -> Result<&'static dyn Dialect, Failure> {
     let name = cam.dialect.as_deref().unwrap_or("rapid");
     dialect_named(name).ok_or_else(|| Failure::message(format!("unknown dialect `{name}`")))
 }
 
 /// `--option key=value`: values that are numbers or truths are taken as such.
-fn settings(cam: &CamArguments, dialect: &dyn Dialect) -> Result<Settings, Failure> {
+pub(super) fn settings(cam: &CamArguments, dialect: &dyn Dialect) -> Result<Settings, Failure> {
     let mut options = Options::new();
     for text in &cam.option {
         let (key, value) = text
@@ -198,7 +296,7 @@ fn settings(cam: &CamArguments, dialect: &dyn Dialect) -> Result<Settings, Failu
     })
 }
 
-fn head(
+pub(super) fn head(
     cam: &CamArguments,
     dialect: &dyn Dialect,
     settings: &Settings,
@@ -236,54 +334,14 @@ fn head(
 }
 
 /// What is wrong with the file, or where the arm cannot follow it.
-fn refused(file: &Path, error: &ProgramError) -> Failure {
+fn refused(file: &Path, error: &ProgramError, help: Option<&str>) -> Failure {
     let path = error.path().unwrap_or(file);
-    let arm = error.kind().path_point().map(|_| {
-        "--work-xyz-mm and --work-rpy-deg place the file before the arm; --spin-deg and \
-         --posture-deg choose other postures"
-            .to_owned()
-    });
-    Failure::in_file(Some(path), error.line(), error.message(), arm)
-}
-
-/// What a dialect cannot say: at the line that the point comes from.
-fn unwritten(file: &Path, read: &CamPath, error: &ProgramError) -> Failure {
-    let point = error.kind().path_point();
-    let line = point
-        .and_then(|at| read.points.get(at))
-        .map(|point| point.line);
-    let help = line.map(|_| {
-        "--posture-deg and --spin-deg choose other postures, --dialect another language".to_owned()
-    });
-    Failure::in_file(Some(file), line, error.message(), help)
-}
-
-fn write(
-    arguments: &PathArguments,
-    dialect: &dyn Dialect,
-    settings: &Settings,
-    planned: &Planned<'_>,
-    holds: bool,
-) -> Result<Vec<PathBuf>, Failure> {
-    let (robot, read, program) = (planned.robot, planned.read, planned.program);
-    let stem = truecut_files::folder_name(&arguments.file, "path");
-    let folder = arguments.out.join(&stem);
-    // First what can be refused.
-    let files = dialect
-        .write(program, robot, settings)
-        .map_err(|error| unwritten(&arguments.file, read, &error))?;
-    let (points, recording) = (folder.join("path.csv"), folder.join("path.rrd"));
-    let slides_mm = arguments.cam.slide_mm.as_deref().unwrap_or_default();
-    let slides_m: Vec<f64> = slides_mm.iter().map(|mm| mm * 1e-3).collect();
-    let table = table(read, program, robot, &slides_m);
-    write_file(
-        &points,
-        &table.map_err(|error| Failure::at(&points, error))?,
-    )?;
-    record(planned, &recording)?;
-    let mut written = vec![points, recording];
-    written.extend(super::files::programs(&folder, files, holds)?);
-    Ok(written)
+    Failure::in_file(
+        Some(path),
+        error.line(),
+        error.message(),
+        help.map(str::to_owned),
+    )
 }
 
 /// Whether a job's arguments hold any that only CAM files take.

@@ -26,15 +26,15 @@ pub(super) struct Planned<'a> {
     pub clearance: Option<&'a Checked>,
 }
 
-/// One row a path point: line of the file, pose in the world, posture.
+/// One row a path point: line of the file, or what its word says, pose in the world, posture.
 pub(super) fn table(
-    read: &CamPath,
-    program: &Program,
-    robot: &Robot,
+    planned: &Planned<'_>,
+    line_word: &str,
     slides_m: &[f64],
 ) -> csv::Result<Vec<u8>> {
+    let (read, program, robot) = (planned.read, planned.program, planned.robot);
     let mut out = csv::Writer::from_writer(Vec::new());
-    let heads = ["point", "line", "work_x_mm", "work_y_mm", "work_z_mm"];
+    let heads = ["point", line_word, "work_x_mm", "work_y_mm", "work_z_mm"];
     let names = heads.into_iter().chain(POSE).map(str::to_owned);
     let names = names.chain((1..=robot.dof()).map(|j| format!("j{j}")));
     let names = names.chain(slide_heads(slides_m));

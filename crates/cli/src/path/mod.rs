@@ -4,6 +4,7 @@ mod body;
 mod cam;
 mod cam_files;
 mod depth;
+mod edges;
 mod figure;
 mod files;
 mod inputs;
@@ -22,7 +23,7 @@ use truecut_plan::surface_path::{
     AxisRule, Chord, Part, Segment, Speeds, SurfacePath, SurfacePathError, TaughtWhen, parts_of,
     program_of,
 };
-use truecut_scenario::PathJob;
+use truecut_scenario::{PathJob, Scenario};
 
 use crate::args::PathArguments;
 use crate::clearance::Checked;
@@ -62,6 +63,9 @@ impl PlannedPath<'_> {
 pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     if truecut_plan::cam::is_cam(&arguments.file) {
         return cam::path(arguments);
+    }
+    if Scenario::lays_a_way(&arguments.file) {
+        return edges::path(arguments);
     }
     if cam::given(&arguments.cam) {
         let text = format!(
@@ -151,7 +155,7 @@ fn cell(job: &PathJob, inputs: &Inputs, head: &Program) -> Result<Option<Cell>, 
         part: places.into_iter().map(|place| (mesh, place)).collect(),
         tools: vec![wheel],
     };
-    Checked::cell_of_job(&inputs.robot, cell, &own).map(Some)
+    Checked::cell_of_job(&inputs.robot, cell, &own, "the path job").map(Some)
 }
 
 /// The program of all copies.

@@ -8,13 +8,22 @@ use truecut_arm::Robot;
 use super::{Attitude, CamPath, CamPoint};
 use crate::program::{
     Motion, Move, PathPoint, Program, ProgramError, SpindleSwitch, Start, TravelOptions, Zone,
-    along_lines,
+    along_lines, along_runs,
 };
 
 /// Turns about the tool's axis that are tried where none is given.
 const SPINS: usize = 24;
 /// Points at which they are compared.
 const SAMPLES: usize = 40;
+
+/// How the arm goes where it is not fed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rapid {
+    /// On a line, at this speed.
+    Line { speed_m_per_s: f64 },
+    /// By joints: postures are chosen anew after each such move.
+    Joints,
+}
 
 /// How a path stands before an arm.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,9 +32,8 @@ pub struct WorkSetup {
     /// Turn about the tool's axis against the work frame's x, rad; `None` chooses the one whose
     /// postures cost least on the whole, by [`Start::cost`].
     pub spin_rad: Option<f64>,
-    /// Speed in rapid traverse, on a line.
-    pub rapid_m_per_s: f64,
-    /// Speed of the move to the first point, share of the top speed.
+    pub rapid: Rapid,
+    /// Speed of moves by joints, such as that to the first point, share of the top speed.
     pub joint_share: f64,
     /// Within what points are passed; `None` leaves it to the dialect.
     pub zone_m: Option<f64>,
@@ -148,7 +156,11 @@ impl Task<'_> {
 
     fn postures(&self, points: &[PathPoint]) -> Postures {
         let frames = [&self.head.tool.flange_from_tool, &self.head.world_from_base];
-        along_lines(self.robot, frames, points, self.start, self.options)
+        let along = match self.setup.rapid {
+            Rapid::Line { .. } => along_lines,
+            Rapid::Joints => along_runs,
+        };
+        along(self.robot, frames, points, self.start, self.options)
     }
 
     /// Turns about the tool's axis by the mean cost of the postures at some points of the path,
@@ -186,13 +198,13 @@ fn points(head: &Program, path: &[CamPoint], setup: &WorkSetup, spin_rad: f64) -
                 Translation3::from(one.place_m),
                 attitude(&one.attitude, spin_rad),
             ),
-        motion: match (i, one.feed_m_per_s) {
-            (0, _) => Motion::Joint {
+        motion: match (i, one.feed_m_per_s, setup.rapid) {
+            (0, ..) | (_, None, Rapid::Joints) => Motion::Joint {
                 share: setup.joint_share,
             },
-            (_, feed) => Motion::Linear {
-                speed_m_per_s: feed.unwrap_or(setup.rapid_m_per_s),
-            },
+            (_, Some(speed_m_per_s), _) | (_, None, Rapid::Line { speed_m_per_s }) => {
+                Motion::Linear { speed_m_per_s }
+            }
         },
         turntable_rad: None,
     };

@@ -17,7 +17,7 @@ use std::path::Path;
 
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 
-pub use follow::{WorkSetup, follow};
+pub use follow::{Rapid, WorkSetup, follow};
 pub use spindle::{SpindleAtCuts, SpindleSpeed, SpindleTurn, SpindleWord};
 
 use crate::program::{FASTEST_M_PER_S, ProgramError, ProgramErrorKind, SLOWEST};

@@ -75,7 +75,7 @@ pub use inspect::{Finding, FindingKind};
 pub use moves::{Motion, Move, PathPoint, Program, SpindleSwitch, Tool, Zone};
 pub use replay::{MOST_PLACES, Replay, ReplayOptions, ReplayRow};
 pub use setup::ProgramSetup;
-pub use start::{Start, along_lines};
+pub use start::{Start, along_lines, along_runs};
 pub use travel::{TravelOptions, shortest_travel};
 pub use zones::ZoneReport;
 

@@ -13,6 +13,8 @@ use super::travel::{Route, TravelOptions, chain, distance, flange_at, survey};
 const SAME_COST: f64 = 1e-9;
 /// Postures that agree to this in every joint are one, rad.
 const SAME_POSTURE_RAD: f64 = 1e-6;
+/// How far joints stay within their limits on runs of lines, where they can.
+const WITHIN_LIMITS_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// A joint turns by less between two places of a line: another branch of the wrist or of the
 /// shoulder lies half a turn away.
 const OTHER_BRANCH_RAD: f64 = std::f64::consts::FRAC_PI_2;
@@ -102,47 +104,137 @@ pub fn along_lines(
         });
         chain(robot, points, &columns, begun.collect(), options)
     };
-    let are_lines = |point: &PathPoint| matches!(point.motion, Motion::Linear { .. });
-    if solver.geometry().is_none() || !points.iter().skip(1).all(are_lines) {
+    if solver.geometry().is_none() || !points.iter().skip(1).all(is_line) {
         return begin(&|_| true);
     }
-    let leg = |i: usize| {
-        let line = Line {
+    let run = LineRun {
+        robot,
+        solver: &solver,
+        frames,
+        points,
+        columns: &columns,
+        margin_rad: 0.0,
+    };
+    match run.best(&ranks) {
+        Ok(postures) => Ok(postures),
+        Err(reached) => {
+            let furthest = reached.iter().max().copied().unwrap_or(0);
+            begin(&|at| reached[at] == furthest).or_else(|_| begin(&|_| true))
+        }
+    }
+}
+
+/// As [`along_lines`], along runs of lines to which the arm goes by joints: each run begins in the
+/// posture of least cost from the end of the one before, if there is one from which all joints stay
+/// half a degree within their limits, which an arm that gives way needs. Where a run cannot be
+/// followed from any, and of an arm without a closed form, the points alone are looked at.
+///
+/// # Errors
+/// As [`shortest_travel`](super::shortest_travel).
+pub fn along_runs(
+    robot: &Robot,
+    frames: [&Isometry3<f64>; 2],
+    points: &[PathPoint],
+    start: Start<'_>,
+    options: &TravelOptions,
+) -> Result<Vec<Vec<f64>>, ProgramError> {
+    let solver = robot.ik_solver(&BranchOptions::default());
+    let columns = survey(robot, &solver, frames, points, options)?;
+    let Some(first) = columns.first() else {
+        return Ok(Vec::new());
+    };
+    let mut found: Vec<Vec<f64>> = Vec::with_capacity(points.len());
+    while found.len() < points.len() && solver.geometry().is_some() {
+        let from = found.len();
+        let lines = points[from + 1..].iter().take_while(|point| is_line(point));
+        let range = from..=from + lines.count();
+        let start = found.last().map_or(start, |posture| Start::Near(posture));
+        let ranks = start.ranks(robot, &columns[from]);
+        let run = LineRun {
             robot,
             solver: &solver,
-            ends: [&columns[i - 1], &columns[i]],
+            frames,
+            points: &points[range.clone()],
+            columns: &columns[range],
+            margin_rad: WITHIN_LIMITS_RAD,
         };
-        let pair = [&points[i - 1], &points[i]];
-        line.successors(pair, frames)
-    };
-    let legs: Vec<Vec<Option<usize>>> = (1..points.len()).into_par_iter().map(leg).collect();
-    let length = |way: &[usize]| {
-        let at = |point: usize| &columns[point][way[point]];
-        let steps = (1..way.len()).map(|point| distance(at(point - 1), at(point)).0);
-        steps.sum::<f64>()
-    };
-    let mut order: Vec<usize> = (0..first.len()).collect();
-    order.sort_by_key(|at| ranks[*at]);
-    let mut best: Option<(usize, f64, Vec<usize>)> = None;
-    let mut reached = vec![0; first.len()];
-    for at in order {
-        if best.as_ref().is_some_and(|(rank, ..)| *rank < ranks[at]) {
+        let to_the_limits = || {
+            LineRun {
+                margin_rad: 0.0,
+                ..run
+            }
+            .best(&ranks)
+        };
+        let Ok(postures) = run.best(&ranks).or_else(|_| to_the_limits()) else {
             break;
-        }
-        let way = way(at, &legs);
-        reached[at] = way.len();
-        let travel = length(&way);
-        let is_whole = way.len() == points.len();
-        if is_whole && best.as_ref().is_none_or(|(_, least, _)| travel < *least) {
-            best = Some((ranks[at], travel, way));
-        }
+        };
+        found.extend(postures);
     }
-    if let Some((.., way)) = best {
-        let postures = way.iter().zip(&columns);
-        return Ok(postures.map(|(at, column)| column[*at].clone()).collect());
+    if found.len() == points.len() {
+        return Ok(found);
     }
-    let furthest = reached.iter().max().copied().unwrap_or(0);
-    begin(&|at| reached[at] == furthest).or_else(|_| begin(&|_| true))
+    let ranks = start.ranks(robot, first).into_iter();
+    let begun = ranks.map(|rank| Route::beginning(rank, 0.0)).collect();
+    chain(robot, points, &columns, begun, options)
+}
+
+fn is_line(point: &PathPoint) -> bool {
+    matches!(point.motion, Motion::Linear { .. })
+}
+
+/// Points of which all but the first are reached on lines, and the postures at each.
+#[derive(Clone, Copy)]
+struct LineRun<'a> {
+    robot: &'a Robot,
+    solver: &'a IkSolver<'a>,
+    frames: [&'a Isometry3<f64>; 2],
+    points: &'a [PathPoint],
+    columns: &'a [Vec<Vec<f64>>],
+    /// How far joints keep from their limits.
+    margin_rad: f64,
+}
+
+impl LineRun<'_> {
+    /// Postures from the start of least rank, and of those of least travel, from which the lines
+    /// can be followed to the end; else how many points each start gets to.
+    fn best(&self, ranks: &[usize]) -> Result<Vec<Vec<f64>>, Vec<usize>> {
+        let (points, columns) = (self.points, self.columns);
+        let leg = |i: usize| {
+            let line = Line {
+                robot: self.robot,
+                solver: self.solver,
+                ends: [&columns[i - 1], &columns[i]],
+                slack_rad: SAME_POSTURE_RAD - self.margin_rad,
+            };
+            let pair = [&points[i - 1], &points[i]];
+            line.successors(pair, self.frames)
+        };
+        let legs: Vec<Vec<Option<usize>>> = (1..points.len()).into_par_iter().map(leg).collect();
+        let length = |way: &[usize]| {
+            let at = |point: usize| &columns[point][way[point]];
+            let steps = (1..way.len()).map(|point| distance(at(point - 1), at(point)).0);
+            steps.sum::<f64>()
+        };
+        let mut order: Vec<usize> = (0..ranks.len()).collect();
+        order.sort_by_key(|at| ranks[*at]);
+        let mut best: Option<(usize, f64, Vec<usize>)> = None;
+        let mut reached = vec![0; ranks.len()];
+        for at in order {
+            if best.as_ref().is_some_and(|(rank, ..)| *rank < ranks[at]) {
+                break;
+            }
+            let way = way(at, &legs);
+            reached[at] = way.len();
+            let travel = length(&way);
+            let is_whole = way.len() == points.len();
+            if is_whole && best.as_ref().is_none_or(|(_, least, _)| travel < *least) {
+                best = Some((ranks[at], travel, way));
+            }
+        }
+        let (.., way) = best.ok_or(reached)?;
+        let postures = way.iter().zip(columns);
+        Ok(postures.map(|(at, column)| column[*at].clone()).collect())
+    }
 }
 
 /// Where a start leads, point by point, as far as it can be followed.
@@ -162,6 +254,8 @@ struct Line<'a> {
     robot: &'a Robot,
     solver: &'a IkSolver<'a>,
     ends: [&'a Vec<Vec<f64>>; 2],
+    /// By how much joints may be beyond their limits; below zero within.
+    slack_rad: f64,
 }
 
 /// A branch followed along a line: where it began, where it is, and between what its joints stood.
@@ -221,8 +315,8 @@ impl Line<'_> {
         let turned = |i: usize| q[i] - follower.begun[i];
         let within = |(i, joint): (usize, &Joint)| {
             joint.limits.is_none_or(|l| {
-                follower.low[i] + turned(i) >= l.lower - SAME_POSTURE_RAD
-                    && follower.high[i] + turned(i) <= l.upper + SAME_POSTURE_RAD
+                follower.low[i] + turned(i) >= l.lower - self.slack_rad
+                    && follower.high[i] + turned(i) <= l.upper + self.slack_rad
             })
         };
         if !self.robot.chain.joints.iter().enumerate().all(within) {

@@ -185,7 +185,7 @@ pub(super) fn to_parry(p: &Vector3<f64>) -> ParryVector {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::super::drawn::seeded;
     use super::*;
     use proptest::prelude::*;

@@ -29,10 +29,21 @@ impl SharpEdge {
     /// Distance of a point.
     #[must_use]
     pub fn distance_m(&self, point_m: &Vector3<f64>) -> f64 {
+        (self.nearest_m(point_m) - point_m).norm()
+    }
+
+    /// Its point that is nearest to another.
+    #[must_use]
+    pub fn nearest_m(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
+        let [from, to] = self.ends_m;
+        from + (to - from) * self.share_of(point_m)
+    }
+
+    /// At which share of its way that is, from 0 to 1.
+    pub(super) fn share_of(&self, point_m: &Vector3<f64>) -> f64 {
         let [from, to] = self.ends_m;
         let way = to - from;
-        let part = ((point_m - from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
-        (from + way * part - point_m).norm()
+        ((point_m - from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0)
     }
 }
 

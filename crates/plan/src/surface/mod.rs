@@ -14,6 +14,7 @@ pub(crate) mod cylinder;
 mod depth;
 #[cfg(test)]
 pub(crate) mod drawn;
+mod edge_chain;
 mod error;
 mod face;
 mod file;
@@ -31,10 +32,13 @@ pub(crate) mod spoke;
 
 pub use boundary::Boundary;
 pub(crate) use depth::to_parry as to_parry_pose;
+pub use edge_chain::{EdgeChain, EdgeFault};
 pub use error::{SurfaceError, SurfaceFault};
 pub use face::{FaceFit, MeshFace};
 pub use file::PatchFile;
 pub use forms::{Curvatures, Forms, continue_line};
+#[cfg(test)]
+pub(crate) use mesh::tests as mesh_tests;
 pub use mesh::{Mesh, NearestPoint};
 pub use mesh_checks::MeshUse;
 pub use mesh_edges::{LEAST_TURN_RAD, SharpEdge};

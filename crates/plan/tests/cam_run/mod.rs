@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::Isometry3;
 use truecut_arm::Robot;
-use truecut_plan::cam::{self, CamPath, WorkSetup};
+use truecut_plan::cam::{self, CamPath, Rapid, WorkSetup};
 use truecut_plan::program::{Program, ProgramError, Start, Tool, TravelOptions};
 
 /// The program of an arm with its base at the origin; points of the path may lie far apart.
@@ -28,7 +28,9 @@ pub fn follow(
     let setup = WorkSetup {
         world_from_work,
         spin_rad: None,
-        rapid_m_per_s: 0.25,
+        rapid: Rapid::Line {
+            speed_m_per_s: 0.25,
+        },
         joint_share: 0.25,
         zone_m: None,
     };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use truecut_plan::cam::{self, CamOptions, WorkSetup};
+use truecut_plan::cam::{self, CamOptions, Rapid, WorkSetup};
 use truecut_plan::path_file::{PathFile, PathFileKind};
 use truecut_plan::program::{DIALECTS, dialect_of};
 
@@ -126,7 +126,9 @@ impl PathFileTable {
             setup: WorkSetup {
                 world_from_work: place(self.work_xyz_mm, self.work_rpy_deg),
                 spin_rad: self.spin_deg.map(from_deg),
-                rapid_m_per_s: from_mm(self.rapid_mm_per_s.unwrap_or(DEFAULT_RAPID_MM_PER_S)),
+                rapid: Rapid::Line {
+                    speed_m_per_s: from_mm(self.rapid_mm_per_s.unwrap_or(DEFAULT_RAPID_MM_PER_S)),
+                },
                 // The arm starts at the first point.
                 joint_share: 1.0,
                 zone_m: None,

@@ -136,6 +136,7 @@ impl Cell {
                 world_from_process: prepared.world_from_process,
                 workpiece: prepared.workpiece,
                 tooling: prepared.tooling,
+                part: prepared.part,
                 deflection_scale: scenario.run.deflection_scale,
             }),
             plant,

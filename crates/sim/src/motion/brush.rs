@@ -1,6 +1,7 @@
-//! The motion of a brush along taught postures or a path from a file, and the edges that it
-//! deburrs.
+//! The motion of a brush along taught postures, a path from a file or edges themselves, and the
+//! edges that it deburrs.
 
+use super::edges::{laid, work_setup};
 use super::path_file::{self, LedAlong, StartNear};
 use super::{BrushWork, KNOT_INTERVAL_S, PlannedMotion, Target};
 use crate::error::SimError;
@@ -13,12 +14,14 @@ use truecut_arm::{FrameId, Robot};
 use truecut_core::wheel::edge_wear::EdgeWear;
 use truecut_plan::motion::follow::{AtMm, FollowError, check_duration, check_speeds};
 use truecut_plan::motion::taught::{TaughtSpeeds, through_taught, tool_path_mm};
-use truecut_plan::surface::{LEAST_TURN_RAD, Mesh, MeshUse, SharpEdge};
+use truecut_plan::path_file::LaidPath;
+use truecut_plan::surface::{EdgeChain, LEAST_TURN_RAD, Mesh, MeshUse, SharpEdge};
 use truecut_plan::surface_path::TaughtPoints;
-use truecut_scenario::{BrushSpec, BrushWay, EdgeSpec, LONGEST_S};
+use truecut_scenario::{BrushSpec, BrushWay, EdgePlace, EdgeSpec, LONGEST_S};
 
 const TAUGHT: &str = "process.brush.taught";
 const PATH: &str = "process.brush.path.file";
+const ALONG: &str = "process.brush.along";
 
 /// A point of an edge may be so far from the mesh's edge: what is printed in a file is rounded.
 const ON_THE_EDGE_M: f64 = 0.05e-3;
@@ -35,6 +38,7 @@ pub(crate) fn solve(
     robot: &Robot,
     start: &StartNear,
 ) -> Result<PlannedMotion, SimError> {
+    let (work, chains) = work(spec)?;
     let (key, led) = match &spec.way {
         BrushWay::Taught {
             file,
@@ -48,8 +52,21 @@ pub(crate) fn solve(
             (TAUGHT, through(file, speeds, robot)?)
         }
         BrushWay::Path(path) => (PATH, path_file::lead(path, PATH, robot, start)?),
+        BrushWay::Along(along) => {
+            let path = laid(along, &chains)?;
+            let laid = LaidPath {
+                path: &path,
+                file: &spec.workpiece.file,
+                setup: work_setup(spec, along),
+                joint_share: along.joint_share,
+            };
+            let key = |edge: usize| key_of(edge, "point_mm");
+            (
+                ALONG,
+                path_file::lead_along_edges(&laid, &key, robot, start)?,
+            )
+        }
     };
-    let work = work(spec)?;
     let path_mm = tool_path_mm(robot, &led.knots);
     let depth_m = deepest_m(spec, key, robot, &work, &led.knots, &|k| path_mm[k])?;
     let note = told(spec, &work, &led, depth_m);
@@ -59,6 +76,10 @@ pub(crate) fn solve(
         note: Some(note),
         target: Target::Edges(work),
     })
+}
+
+pub(super) fn key_of(edge: usize, key: &str) -> String {
+    format!("process.brush.edge.{edge}.{key}")
 }
 
 /// The motion through taught postures.
@@ -155,26 +176,61 @@ fn told(spec: &BrushSpec, work: &BrushWork, led: &LedAlong, depth_m: f64) -> Str
     )
 }
 
-/// The workpiece and its edges.
-fn work(spec: &BrushSpec) -> Result<BrushWork, SimError> {
+/// The workpiece and its edges, with those that are picked.
+pub(super) fn work(spec: &BrushSpec) -> Result<(BrushWork, Vec<EdgeChain>), SimError> {
     let mesh = Mesh::load(&spec.workpiece.file, spec.workpiece.unit_m, MeshUse::Body)
         .map_err(|error| SimError::scenario("process.brush.workpiece.mesh", error.to_string()))?;
-    check_count(spec)?;
+    let mut chains = Vec::new();
+    let mut lines = Vec::new();
+    for (index, edge) in spec.edges.iter().enumerate() {
+        lines.push(match &edge.place {
+            EdgePlace::Points(points_m) => points_m.iter().map(|p| Vector3::from(*p)).collect(),
+            EdgePlace::Picked { point_m, reversed } => {
+                let found = mesh.edge_at(&Vector3::from(*point_m), spec.crease_rad);
+                let found = found.map_err(|fault| {
+                    let file = spec.workpiece.file.display();
+                    let extent = extent_mm(&mesh);
+                    let message = format!("{file}: {fault}; the mesh reaches from {extent}");
+                    SimError::scenario(key_of(index, "point_mm"), message)
+                })?;
+                let chain = if *reversed { found.reversed() } else { found };
+                let points_m = chain.points_m.clone();
+                chains.push(chain);
+                points_m
+            }
+        });
+    }
+    let stations = stations(spec, &mesh, &lines)?;
+    let work = BrushWork {
+        mesh: Arc::new(mesh),
+        world_from_mesh: spec.world_from_mesh,
+        stations,
+    };
+    Ok((work, chains))
+}
+
+/// Places on the edges, which run straight from point to point.
+fn stations(
+    spec: &BrushSpec,
+    mesh: &Mesh,
+    lines: &[Vec<Vector3<f64>>],
+) -> Result<Vec<Station>, SimError> {
+    check_count(spec, lines)?;
     let sharp = mesh.sharp_edges();
     let mut stations = Vec::new();
     let mut known = HashSet::new();
-    for (index, edge) in spec.edges.iter().enumerate() {
-        for point in &edge.points_m {
-            edge_at(spec, index, &mesh, &sharp, &Vector3::from(*point))?;
+    for (index, (edge, points_m)) in spec.edges.iter().zip(lines).enumerate() {
+        for point_m in points_m {
+            edge_at(spec, index, mesh, &sharp, point_m)?;
         }
-        for pair in edge.points_m.windows(2) {
-            let [from, to] = [pair[0], pair[1]].map(Vector3::from);
+        for pair in points_m.windows(2) {
+            let [from, to] = [pair[0], pair[1]];
             let count = count(&from, &to, spec.station_m);
             for k in 0..count as usize {
                 let point_m = from + (to - from) * ((k as f64 + 0.5) / count);
-                let found = edge_at(spec, index, &mesh, &sharp, &point_m)?;
+                let found = edge_at(spec, index, mesh, &sharp, &point_m)?;
                 if !known.insert(point_m.map(|x| (x / SAME_PLACE_M).round() as i64)) {
-                    return Err(twice(index, &point_m));
+                    return Err(twice(&key_of(index, edge.place.key()), &point_m));
                 }
                 stations.push(Station {
                     edge: index,
@@ -186,11 +242,7 @@ fn work(spec: &BrushSpec) -> Result<BrushWork, SimError> {
             }
         }
     }
-    Ok(BrushWork {
-        mesh: Arc::new(mesh),
-        world_from_mesh: spec.world_from_mesh,
-        stations,
-    })
+    Ok(stations)
 }
 
 fn wear(spec: &BrushSpec, edge: &EdgeSpec, wedge_rad: f64) -> EdgeWear {
@@ -208,20 +260,20 @@ fn count(from: &Vector3<f64>, to: &Vector3<f64>, station_m: f64) -> f64 {
     ((to - from).norm() / station_m - 1e-9).ceil().max(1.0)
 }
 
-fn twice(index: usize, point_m: &Vector3<f64>) -> SimError {
+fn twice(key: &str, point_m: &Vector3<f64>) -> SimError {
     let [x, y, z] = (point_m * 1e3).into();
     SimError::scenario(
-        format!("process.brush.edge.{index}.points_mm"),
+        key,
         format!(
             "the edge at ({x:.3}, {y:.3}, {z:.3}) mm is given twice: what is removed there would count twice"
         ),
     )
 }
 
-fn check_count(spec: &BrushSpec) -> Result<(), SimError> {
+fn check_count(spec: &BrushSpec, lines: &[Vec<Vector3<f64>>]) -> Result<(), SimError> {
     let pairs = || {
-        let all = spec.edges.iter().flat_map(|edge| edge.points_m.windows(2));
-        all.map(|pair| [pair[0], pair[1]].map(Vector3::from))
+        let all = lines.iter().flat_map(|points_m| points_m.windows(2));
+        all.map(|pair| [pair[0], pair[1]])
     };
     let length_m: f64 = pairs().map(|[from, to]| (to - from).norm()).sum();
     let count: f64 = pairs()
@@ -261,7 +313,7 @@ fn edge_at<'a>(
     );
     let [x, y, z] = (point_m * 1e3).into();
     Err(SimError::scenario(
-        format!("process.brush.edge.{index}.points_mm"),
+        key_of(index, spec.edges[index].place.key()),
         format!(
             "no edge of {} that stands out by {:.0} degrees or more runs within {} mm of ({x:.3}, {y:.3}, {z:.3}) mm, but must where a brush deburrs: {nearest}; the mesh reaches from {}",
             spec.workpiece.file.display(),

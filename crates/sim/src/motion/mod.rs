@@ -2,6 +2,7 @@
 
 pub(crate) mod belt;
 pub(crate) mod brush;
+pub(crate) mod edges;
 pub(crate) mod path_file;
 pub(crate) mod polish;
 pub(crate) mod solve;

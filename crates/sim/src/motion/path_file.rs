@@ -2,14 +2,20 @@
 
 use super::{KNOT_INTERVAL_S, PlannedMotion, Target};
 use crate::error::SimError;
+use crate::posture;
 use std::borrow::Cow;
+use std::path::Path;
 use truecut_arm::Robot;
-use truecut_plan::path_file::{PathFile, PathFileMotion, Way};
-use truecut_plan::program::Start;
-use truecut_scenario::LONGEST_S;
+use truecut_plan::path_file::{LaidPath, PathFile, PathFileMotion, Way};
+use truecut_plan::program::{ProgramError, Start};
+use truecut_scenario::{LONGEST_S, RobotSpec};
 
 /// Corners that are rounded by less are not told, m.
 const LEAST_ROUNDED_M: f64 = 1e-6;
+
+/// What helps where an arm cannot go along an edge.
+const OTHERWISE: &str = "place the part elsewhere, tilt the brush otherwise, begin a closed edge at \
+                         another point of it, or go along the edge the other way round (`reversed`)";
 
 /// Where the arm of a path may start.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +27,18 @@ pub(crate) struct StartNear {
 }
 
 impl StartNear {
+    /// As a scenario gives it.
+    pub fn of(spec: &RobotSpec, robot: &Robot) -> Result<Self, SimError> {
+        let gives_none = spec.posture_rad.is_empty() && spec.posture_m.is_empty();
+        Ok(StartNear {
+            posture: match gives_none {
+                true => vec![0.0; robot.dof()],
+                false => posture::posture(spec, robot)?,
+            },
+            is_given: !spec.posture_rad.is_empty(),
+        })
+    }
+
     /// What tells starts apart: no posture is another one than a posture of zeros.
     pub fn key(&self) -> Vec<f64> {
         let mut key = self.posture.clone();
@@ -62,6 +80,50 @@ pub(crate) fn lead(
     robot: &Robot,
     start: &StartNear,
 ) -> Result<LedAlong, SimError> {
+    let find =
+        |robot: &Robot, from: Start<'_>| path.motion(robot, from, KNOT_INTERVAL_S, LONGEST_S);
+    let refused =
+        |error: &ProgramError, held: &str| SimError::scenario(key, format!("{error}{held}"));
+    lead_by(
+        &find,
+        [&path.file, Path::new("line")],
+        robot,
+        start,
+        &refused,
+    )
+}
+
+/// The same of a path that was laid along edges of a part, the lines of its points their numbers.
+pub(crate) fn lead_along_edges(
+    path: &LaidPath<'_>,
+    key: &dyn Fn(usize) -> String,
+    robot: &Robot,
+    start: &StartNear,
+) -> Result<LedAlong, SimError> {
+    let find =
+        |robot: &Robot, from: Start<'_>| path.motion(robot, from, KNOT_INTERVAL_S, LONGEST_S);
+    let refused = |error: &ProgramError, held: &str| {
+        let edge = error.line().unwrap_or(1) - 1;
+        let message = error.message();
+        SimError::scenario(key(edge), format!("{message}{held}; {OTHERWISE}"))
+    };
+    lead_by(
+        &find,
+        [path.file, Path::new("edge")],
+        robot,
+        start,
+        &refused,
+    )
+}
+
+/// Leads an arm, its slides where it starts; the file is told with what a line of it is called.
+fn lead_by(
+    find: &dyn Fn(&Robot, Start<'_>) -> Result<PathFileMotion, ProgramError>,
+    named: [&Path; 2],
+    robot: &Robot,
+    start: &StartNear,
+    refused: &dyn Fn(&ProgramError, &str) -> SimError,
+) -> Result<LedAlong, SimError> {
     let slides: Vec<usize> = robot.slides().collect();
     let turning: Vec<usize> = (0..robot.dof()).filter(|at| !slides.contains(at)).collect();
     let held = match slides.is_empty() {
@@ -76,12 +138,11 @@ pub(crate) fn lead(
         true => Start::Near(&near),
         false => Start::AtRest,
     };
-    let found = path.motion(&held, from, KNOT_INTERVAL_S, LONGEST_S);
-    let found = found.map_err(|error| {
+    let found = find(&held, from).map_err(|error| {
         let held = slides_held(robot, &slides, &start.posture);
-        SimError::scenario(key, format!("{error}{held}"))
+        refused(&error, &held)
     })?;
-    let told = told(path, &found);
+    let told = told(named, &found);
     let whole = |knot: Vec<f64>| {
         let mut posture = start.posture.clone();
         (turning.iter().zip(knot)).for_each(|(&at, value)| posture[at] = value);
@@ -114,13 +175,13 @@ fn slides_held(robot: &Robot, slides: &[usize], posture: &[f64]) -> String {
 }
 
 /// What there is to tell of a path.
-fn told(path: &PathFile, found: &PathFileMotion) -> String {
+fn told([file, line_word]: [&Path; 2], found: &PathFileMotion) -> String {
     let place = |point: usize| match found.lines.get(point) {
-        Some(line) => format!("line {line}"),
+        Some(line) => format!("{} {line}", line_word.display()),
         None => format!("path point {point}"),
     };
     let motion = &found.motion;
-    let name = path.file.file_name().unwrap_or_default().to_string_lossy();
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
     let length_mm = motion.length_m * 1e3;
     let mut told = format!(
         "{name}: {} points, {length_mm:.1} mm on lines",

@@ -38,8 +38,8 @@ pub use path_milling::{PathMilling, PathMillingSetup};
 pub use polish::{Polish, PolishSetup};
 pub use quantity::Quantity;
 pub use replay::{ForceSamples, Replay};
-pub(crate) use setup::cut_short;
 pub use setup::{ProcessSetup, SetupContext, tells_unfinished};
+pub(crate) use setup::{ReadPart, StandingPart, cut_short};
 pub use wheel::Wheel;
 
 use crate::loads::{Attachment, ContactOutcomes, Loads};

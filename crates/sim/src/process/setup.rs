@@ -16,6 +16,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_plan::motion::straight::SolvedPath;
+use truecut_plan::surface::Mesh;
 use truecut_recording::{Measured, Shape};
 use truecut_scenario::{DriveKind, PostureFrom, ProcessSpec, Scenario};
 
@@ -59,15 +60,7 @@ impl<'a> SetupContext<'a> {
 
     /// Where the arm of a path may start: near to the scenario's posture, if it gives one.
     pub(crate) fn start_near(&self) -> Result<StartNear, SimError> {
-        let spec = &self.scenario.robot;
-        let gives_none = spec.posture_rad.is_empty() && spec.posture_m.is_empty();
-        Ok(StartNear {
-            posture: match gives_none {
-                true => vec![0.0; self.robot.dof()],
-                false => posture::posture(spec, self.robot)?,
-            },
-            is_given: !spec.posture_rad.is_empty(),
-        })
+        StartNear::of(&self.scenario.robot, self.robot)
     }
 
     /// Compliance of the driven arm at the foot, process axes, m/N.
@@ -112,11 +105,18 @@ impl Departure {
     }
 }
 
+/// A part, at every place where a copy of it stands in the world.
+pub(crate) type StandingPart = Vec<(Arc<Mesh>, Isometry3<f64>)>;
+
+/// Reads the part that a process works on, when clearances are asked for.
+pub(crate) type ReadPart = Box<dyn Fn() -> Result<StandingPart, SimError> + Send + Sync>;
+
 /// A process that is ready to run, and how the arm moves with it.
 pub struct ProcessSetup {
     pub(crate) process: Box<dyn Process>,
     pub(crate) workpiece: DrawWorkpiece,
     pub(crate) tooling: Tooling,
+    pub(crate) part: ReadPart,
     /// Outward normal of a plane workpiece, world axes; without it against the tool's z axis.
     pub(crate) surface_normal: Option<Vector3<f64>>,
     /// Posture without load in which the arm starts.
@@ -150,6 +150,7 @@ impl ProcessSetup {
             process: Box::new(process),
             workpiece: Box::new(Vec::new),
             tooling: Tooling::default(),
+            part: Box::new(|| Ok(Vec::new())),
             surface_normal: None,
             posture,
             motion: Motion::Feed,
@@ -168,6 +169,17 @@ impl ProcessSetup {
     #[must_use]
     pub fn holding(self, tooling: Tooling) -> Self {
         Self { tooling, ..self }
+    }
+
+    /// The same with a part that stands in the world and may be met.
+    pub(crate) fn working_on(
+        self,
+        part: impl Fn() -> Result<StandingPart, SimError> + Send + Sync + 'static,
+    ) -> Self {
+        Self {
+            part: Box::new(part),
+            ..self
+        }
     }
 
     /// The same along a path.

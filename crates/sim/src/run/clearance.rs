@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use truecut_arm::Robot;
-use truecut_plan::clearance::{Cell, Own, Station, Tool};
+use truecut_plan::clearance::{Cell, Own, Station};
 use truecut_recording::{Recording, Scalar, Unit};
 use truecut_scenario::{CellFile, Scenario};
 
@@ -18,11 +18,12 @@ pub(super) struct About {
 }
 
 impl About {
-    /// Reads the cell that a scenario names, if it names one; `tools` are those of its process.
+    /// Reads the cell that a scenario names, if it names one; tool and part are those of its
+    /// process, where it has them.
     pub fn of(
         scenario: &Scenario,
         robots: Option<&Robots>,
-        tools: impl FnOnce() -> Vec<Tool>,
+        run: &crate::cell::Cell,
     ) -> Result<Option<Self>, SimError> {
         let Some(path) = &scenario.cell else {
             return Ok(None);
@@ -34,9 +35,15 @@ impl About {
         let own = Robots::new();
         let robot = robots.unwrap_or(&own).robot(&scenario.robot)?;
         let file = CellFile::load(path, &robot.frames.flange_from_tool)?;
+        let part = run.part()?;
+        if !part.is_empty() && file.setup.part.is_some() {
+            let process = scenario.process.name();
+            let message = format!("`part` has no effect: process.{process} has its own part");
+            return Err(file.problem("part", message).into());
+        }
         let own = Own {
-            part: Vec::new(),
-            tools: tools(),
+            part: (part.iter().map(|(mesh, place)| (mesh.as_ref(), *place))).collect(),
+            tools: run.tools(),
         };
         let cell = Cell::new(&robot, &file.setup, &own);
         let cell = cell.map_err(|error| file.refused(&error))?;

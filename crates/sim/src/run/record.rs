@@ -59,7 +59,7 @@ impl Run<'_> {
             return self.record_prediction(scenario, measured, prediction, build_s, sinks);
         }
         let cell = self.cell(scenario, measured)?;
-        let about = clearance::About::of(scenario, self.robots, || cell.tools())?;
+        let about = clearance::About::of(scenario, self.robots, &cell)?;
         // Without sinks nobody sees the scene.
         let mut header = match sinks.is_empty() {
             true => cell.header(),

@@ -3,12 +3,13 @@
 use crate::effect::WheelEffects;
 use crate::error::SimError;
 use crate::motion::{self, BeltLines, Target};
-use crate::process::setup::{Departure, Motion};
+use crate::process::setup::{Departure, Motion, StandingPart};
 use crate::process::{Belt, BeltSetup, Cells, ProcessSetup, SetupContext, cells_within};
 use crate::scene::{Tooling, shapes};
 use std::sync::Arc;
 use truecut_core::wheel::belt::BeltWheel;
-use truecut_scenario::{BeltSpec, ProcessSpec};
+use truecut_plan::surface::{Mesh, MeshUse, PatchFile, SurfaceError};
+use truecut_scenario::{BeltJob, BeltSpec, ProcessSpec};
 
 /// Most cells of all copies: their maps fit into memory and onto a screen.
 const MOST_CELLS: usize = 4_000_000;
@@ -34,11 +35,38 @@ pub(crate) fn setup(spec: &BeltSpec, context: &SetupContext<'_>) -> Result<Proce
     let setup = belt(spec, &context.effects.wheel, lines, &from)?;
     let process_from_patch = from.world_from_process.inverse() * setup.copies[0].world_from_patch;
     let border_m = outline(lines);
+    let (job, patch) = (spec.job.clone(), lines.patch.clone());
     let tooling = Tooling::drum([setup.wheel.radius_m, setup.wheel.width_m]);
     Ok(ProcessSetup::new(Belt::new(setup), from.posture)
         .holding(tooling)
         .on(move || shapes::outline(&process_from_patch, &border_m))
+        .working_on(move || part(&job, &patch))
         .led_by(Motion::Planned(path)))
+}
+
+/// The part of a job with all its copies: its body, else its face.
+fn part(job: &BeltJob, patch: &PatchFile) -> Result<StandingPart, SimError> {
+    let mesh = match &job.surface.body {
+        Some(body) => Mesh::load(&body.file, body.unit_m, MeshUse::Body),
+        None => Mesh::of_patch(patch.surface.as_ref()).map_err(SurfaceError::from),
+    };
+    let mesh = Arc::new(mesh.map_err(|error| {
+        let file = job.file.display();
+        SimError::scenario(
+            "process.belt.job",
+            format!("{file}: `surface.body`: {error}"),
+        )
+    })?);
+    let at = job.surface.world_from_patch;
+    let copies = (job.symmetry.iter()).flat_map(|symmetry| symmetry.places());
+    let mut places: Vec<_> = copies.map(|copy| copy * at).collect();
+    if places.is_empty() {
+        places.push(at);
+    }
+    Ok(places
+        .into_iter()
+        .map(|place| (mesh.clone(), place))
+        .collect())
 }
 
 /// The process along a solved path.

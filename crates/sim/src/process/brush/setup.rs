@@ -31,10 +31,12 @@ pub(crate) fn setup(
     let process = BrushProcess::new(brush(spec, &context.effects.wheel, work, robot, &from));
     let process_from_mesh = from.world_from_process.inverse() * work.world_from_mesh;
     let mesh = work.mesh.clone();
+    let (part, world_from_mesh) = (mesh.clone(), work.world_from_mesh);
     let tooling = Tooling::drum([spec.brush.radius_m, spec.brush.width_m]).named("brush");
     Ok(ProcessSetup::new(process, from.posture)
         .holding(tooling)
         .on(move || shapes::body(&process_from_mesh, &mesh))
+        .working_on(move || Ok(vec![(part.clone(), world_from_mesh)]))
         .led_by(Motion::Planned(path)))
 }
 

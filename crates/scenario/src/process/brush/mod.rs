@@ -1,5 +1,8 @@
-//! The `[process.brush]` table: a wheel brush deburrs edges of a mesh, led by taught postures or a
-//! path from a file.
+//! The `[process.brush]` table: a wheel brush deburrs edges of a mesh, led by taught postures,
+//! along a path from a file, or along the edges themselves.
+
+mod along;
+mod edge;
 
 use std::path::{Path, PathBuf};
 
@@ -10,9 +13,11 @@ use truecut_core::wheel::brush::Brush;
 use truecut_plan::path_file::PathFile;
 use truecut_plan::surface::MeshFile;
 
+pub use along::AlongEdges;
+pub use edge::{EdgePlace, EdgeSpec};
+
 use crate::check::Check;
 use crate::fault::Fault;
-use crate::path_job::place;
 use crate::process::path_file::PathFileTable;
 use crate::process::{Facts, Knob, ModesIn, Parts, PostureFrom, Room, WheelHold, WheelPart};
 use crate::robot::RobotSpec;
@@ -35,6 +40,8 @@ pub struct BrushSpec {
     pub workpiece: MeshFile,
     /// Where its frame stands in the world.
     pub world_from_mesh: Isometry3<f64>,
+    /// By how much faces turn, at least, where an edge is picked, and an edge, where it ends.
+    pub crease_rad: f64,
     /// Edges that are deburred.
     pub edges: Vec<EdgeSpec>,
 }
@@ -53,17 +60,8 @@ pub enum BrushWay {
     },
     /// A path from CAM, or a robot program.
     Path(PathFile),
-}
-
-/// An edge of the workpiece.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EdgeSpec {
-    /// Points along it, in the workpiece's frame.
-    pub points_m: Vec<[f64; 3]>,
-    /// How far the burr stands out.
-    pub burr_height_m: f64,
-    /// Thickness of the burr.
-    pub burr_thickness_m: f64,
+    /// A way that is laid along the edges, one after the other.
+    Along(AlongEdges),
 }
 
 /// Brushing of edges by taught postures.
@@ -76,6 +74,8 @@ pub(crate) struct BrushTable {
     taught: Option<String>,
     /// Path from a file in their place.
     path: Option<PathFileTable>,
+    /// In the place of both: the way is laid along the edges, in their order.
+    along: Option<along::AlongTable>,
     /// Speed of the tool from posture to posture (with taught).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the brush is fed along the edge"))]
     feed_mm_per_s: Option<f64>,
@@ -116,40 +116,10 @@ pub(crate) struct BrushTable {
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "places get on along the edge"))]
     station_mm: Option<f64>,
     /// The workpiece.
-    workpiece: WorkpieceTable,
+    workpiece: edge::WorkpieceTable,
     /// Edges that are deburred.
     #[schemars(length(min = 1), extend("x-rule" = "a brush deburrs one edge at least"))]
-    edge: Vec<EdgeTable>,
-}
-
-/// A workpiece as a closed mesh.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct WorkpieceTable {
-    /// Closed mesh (.stl or .obj), relative to this file.
-    mesh: String,
-    /// Length of the mesh's unit. Default: 1.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
-    unit_mm: Option<f64>,
-    /// Where the mesh's frame stands in the world. Default: [0, 0, 0].
-    xyz_mm: Option<[f64; 3]>,
-    /// Roll, pitch and yaw of that frame about the world's x, y, z. Default: [0, 0, 0].
-    rpy_deg: Option<[f64; 3]>,
-}
-
-/// An edge.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct EdgeTable {
-    /// Points along the edge, in the mesh's frame; from point to point it is straight.
-    #[schemars(length(min = 2), extend("x-rule" = "an edge has two ends"))]
-    points_mm: Vec<[f64; 3]>,
-    /// How far the burr stands out. Default: 0, a clean sharp edge.
-    #[schemars(extend("minimum" = 0.0, "x-rule" = "a burr stands out"))]
-    burr_height_mm: Option<f64>,
-    /// Thickness of the burr.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a burr has a thickness"))]
-    burr_thickness_mm: Option<f64>,
+    edge: Vec<edge::EdgeTable>,
 }
 
 const TABLE: &str = "process.brush";
@@ -173,11 +143,14 @@ impl BrushTable {
         (faults.into_iter().flatten()).for_each(|fault| check.refuse(fault));
         check.rim(TABLE, "speed_rpm", self.speed_rpm, from_mm(self.radius_mm));
         let way = self.way(folder, check);
+        let laid = matches!(way, Some(BrushWay::Along(_)));
         let edges: Vec<Option<EdgeSpec>> = (self.edge.into_iter().enumerate())
-            .map(|(index, edge)| edge.resolve(index, check))
+            .map(|(index, edge)| edge.resolve(index, laid, check))
             .collect();
         is_sound.then_some(())?;
-        let (workpiece, world_from_mesh) = self.workpiece.resolve(folder);
+        let edges = edges.into_iter().collect::<Option<Vec<_>>>()?;
+        let (workpiece, world_from_mesh, crease_rad) =
+            self.workpiece.resolve(&edges, folder, check);
         Some(BrushSpec {
             way: way?,
             brush: Brush {
@@ -194,12 +167,20 @@ impl BrushTable {
             station_m: from_mm(self.station_mm.unwrap_or(DEFAULT_STATION_MM)),
             world_from_mesh,
             workpiece,
-            edges: edges.into_iter().collect::<Option<_>>()?,
+            crease_rad,
+            edges,
         })
     }
 
     /// `None` after recording a fault.
     fn way(&mut self, folder: &Path, check: &mut Check) -> Option<BrushWay> {
+        if let Some(along) = self.along.take() {
+            let because = "[process.brush.along] gives the way, its speeds and its joints' share";
+            let keys = ["taught", "path", "feed_mm_per_s", "joint_speed"];
+            check.ignored(TABLE, &keys, because);
+            let brush = (self.radius_mm, self.width_mm, self.free_length_mm);
+            return Some(BrushWay::Along(along.resolve(brush, check)?));
+        }
         if let Some(path) = self.path.take() {
             let because = "[process.brush.path] gives the way, its speeds and its joints' share";
             let keys = ["taught", "feed_mm_per_s", "joint_speed"];
@@ -207,7 +188,7 @@ impl BrushTable {
             let path = path.resolve("process.brush.path", folder, check)?;
             return Some(BrushWay::Path(path));
         }
-        let who = "a brush without [process.brush.path]";
+        let who = "a brush without [process.brush.path] or [process.brush.along]";
         let taught = check.needed(TABLE, "taught", self.taught.take(), who);
         let feed = check.needed(TABLE, "feed_mm_per_s", self.feed_mm_per_s, who);
         Some(BrushWay::Taught {
@@ -265,61 +246,6 @@ impl BrushTable {
     }
 }
 
-impl WorkpieceTable {
-    /// The mesh, and where its frame stands.
-    fn resolve(self, folder: &Path) -> (MeshFile, Isometry3<f64>) {
-        let body = MeshFile {
-            file: folder.join(self.mesh),
-            unit_m: from_mm(self.unit_mm.unwrap_or(1.0)),
-        };
-        (body, place(self.xyz_mm, self.rpy_deg))
-    }
-}
-
-impl EdgeTable {
-    /// `None` after recording a fault.
-    fn resolve(self, index: usize, check: &mut Check) -> Option<EdgeSpec> {
-        let table = format!("{TABLE}.edge.{index}");
-        let same = self
-            .points_mm
-            .windows(2)
-            .position(|pair| pair[0] == pair[1]);
-        if let Some(k) = same {
-            let path = format!("{table}.points_mm");
-            let message = format!(
-                "points {} and {} of `{path}` are the same, {:?}: an edge gets on from point to point",
-                k + 1,
-                k + 2,
-                self.points_mm[k]
-            );
-            check.refuse(Fault::value(&path, message, "stands still"));
-            return None;
-        }
-        let height_mm = self.burr_height_mm.unwrap_or(0.0);
-        let thickness_mm = if height_mm == 0.0 {
-            let because = "without `burr_height_mm` there is no burr";
-            check.ignored(&table, &["burr_thickness_mm"], because);
-            0.0
-        } else {
-            check.needed(
-                &table,
-                "burr_thickness_mm",
-                self.burr_thickness_mm,
-                "a burr",
-            )?
-        };
-        Some(EdgeSpec {
-            points_m: self
-                .points_mm
-                .iter()
-                .map(|point| point.map(from_mm))
-                .collect(),
-            burr_height_m: from_mm(height_mm),
-            burr_thickness_m: from_mm(thickness_mm),
-        })
-    }
-}
-
 /// By such a part of their length bristles are typically pressed in.
 const TYPICAL_INDENTATION: f64 = 0.05;
 
@@ -327,6 +253,7 @@ const TYPICAL_INDENTATION: f64 = 0.05;
 const KNOBS: &[Knob] = &[
     Knob::new("process.brush.speed_rpm", "brush speed", &[0.6, 1.6]),
     Knob::new("process.brush.feed_mm_per_s", "feed", &[0.5, 2.0]),
+    Knob::new("process.brush.along.feed_mm_per_s", "feed", &[0.5, 2.0]),
 ];
 
 impl Room for BrushSpec {
@@ -354,7 +281,7 @@ impl Room for BrushSpec {
             replays: false,
             posture: match self.way {
                 BrushWay::Taught { .. } => PostureFrom::Taught,
-                BrushWay::Path(_) => PostureFrom::Path,
+                BrushWay::Path(_) | BrushWay::Along(_) => PostureFrom::Path,
             },
             parts: Parts {
                 wheel: Some(WheelPart {

@@ -1,0 +1,98 @@
+//! Edges of a mesh that are brushed without teaching: `truecut path` of a scenario.
+
+use std::path::Path;
+
+use super::path::{hp20, told};
+use super::{BAD_INPUT, Desk};
+
+/// The shipped scenario in the desk's folder, its bore alone, with a cell of its own.
+fn bore(desk: &Desk, cell: &str) -> &'static str {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = root.canonicalize().unwrap();
+    let shipped = root.join("scenarios/finishing/flange_edges.toml");
+    let text = std::fs::read_to_string(shipped).unwrap();
+    let text = text.replace("../..", root.to_str().unwrap());
+    let (text, _) = text
+        .split_once("[[process.brush.edge]]        # a pocket")
+        .unwrap();
+    let named = "flange_cell.toml";
+    assert!(text.contains(named));
+    std::fs::write(desk.path("bore.toml"), text.replace(named, "cell.toml")).unwrap();
+    std::fs::write(desk.path("cell.toml"), cell).unwrap();
+    "bore.toml"
+}
+
+const TABLE: &str =
+    "[[fixture]]\nname = \"table\"\nshape = { box_mm = [500, 400, 40] }\nxyz_mm = [1200, 0, 375]\n";
+
+#[test]
+fn a_rim_becomes_a_program_that_reads_back() {
+    let desk = Desk::new();
+    let file = bore(&desk, TABLE);
+    let dialect = ["--dialect", "jbi", "--option", "date=2026-01-31 12:00"];
+    let output = desk.truecut(&[&["path", file, "--name", "BORE"][..], &dialect].concat());
+    assert!(output.status.success(), "{}", told(&output));
+    // The brush works on the part; the ball that the arm draws in its middle is of the last link.
+    let nearest = "9.000 mm  ✓ least, of \"link_6\" from \"part\"";
+    for wanted in [nearest, "edge 1", "157 mm of edge"] {
+        assert!(
+            told(&output).contains(wanted),
+            "{wanted}: {}",
+            told(&output)
+        );
+    }
+    let points = std::fs::read_to_string(desk.path("out/bore/path.csv")).unwrap();
+    assert!(points.starts_with("point,edge,"), "{points}");
+    let robot = hp20();
+    let read = [
+        "program",
+        "out/bore/BORE.JBI",
+        "--robot",
+        &robot,
+        "--path",
+        "out/bore/path.csv",
+    ];
+    let output = desk.truecut(&read);
+    assert!(output.status.success(), "{}", told(&output));
+}
+
+#[test]
+fn a_part_beside_the_scenarios_own_and_arguments_of_what_it_says_are_refused() {
+    let desk = Desk::new();
+    let part = "[part]\nshape = { box_mm = [20, 20, 20] }\nxyz_mm = [1300, 300, 400]\n";
+    let file = bore(&desk, &format!("{TABLE}{part}"));
+    for (command, whose) in [
+        ("path", "the scenario gives"),
+        ("run", "process.brush has its own"),
+    ] {
+        let output = desk.truecut(&[command, file]);
+        assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
+        let wanted = format!("`part` has no effect: {whose}");
+        assert!(told(&output).contains(&wanted), "{}", told(&output));
+    }
+    for given in [["--spin-deg", "10"], ["--posture-deg", "0,0,0,0,90,0"]] {
+        let output = desk.truecut(&[&["path", file][..], &given].concat());
+        assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
+        assert!(
+            told(&output).contains("stand in its scenario"),
+            "{}",
+            told(&output)
+        );
+    }
+}
+
+/// A post within the bore: the brush meets it, in the run as in the program.
+#[test]
+fn what_stands_in_the_bore_is_met_and_no_program_is_written() {
+    let desk = Desk::new();
+    let post = "[[fixture]]\nname = \"post\"\nshape = { radius_mm = 4, length_mm = 80 }\nxyz_mm = [1200, 10, 440]\n";
+    let file = bore(&desk, post);
+    let output = desk.truecut(&["path", file]);
+    assert_eq!(output.status.code(), Some(1), "{}", told(&output));
+    let told_all = told(&output);
+    let met = "\"brush\" collides with \"post\"";
+    assert!(
+        told_all.contains(met) && told_all.contains("no program is written"),
+        "{told_all}"
+    );
+}
