@@ -193,6 +193,45 @@ fn a_plunge_has_the_thrust_of_its_ends() {
     part_without_defects(&desk, "plunge");
 }
 
+/// A ball of 12 mm, 2 mm deep into the plate from its side up to its middle, out of it on a slope: the
+/// slot's section times its length with half a cap, and a groove; limits of balls are not known.
+#[test]
+fn a_ball_leaves_its_groove_and_has_no_limits() {
+    let desk = Desk::new();
+    let slot = "%\nG21 G90 G94 G17\nG0 X-12. Y15. Z-2.\nG61\nG1 X30. F1200.\nG0 Z5.\nM30\n%\n";
+    let (r, depth) = (6e-3_f64, 2e-3_f64);
+    let summary = mill(&desk, "ball", slot, "corner_radius_mm = 6");
+    let found = |summary: &Summary, name: &str| summary.metrics[&format!("path_milling.{name}")];
+    let half_rad = (1.0 - depth / r).acos();
+    let section_m2 = r * r * (half_rad - half_rad.sin() * half_rad.cos());
+    let cap_m3 = std::f64::consts::PI * depth * depth * (r - depth / 3.0);
+    let exact_m3 = section_m2 * 30e-3 + 0.5 * cap_m3;
+    for (name, within) in [
+        ("target_removed", 5e-3),
+        ("stock_removed", 0.01),
+        ("chip_volume", 0.01),
+    ] {
+        let found_m3 = found(&summary, name).unwrap();
+        assert!(
+            (found_m3 / exact_m3 - 1.0).abs() < within,
+            "{name}: {found_m3} {exact_m3}"
+        );
+    }
+    part_without_defects(&desk, "ball");
+    desk.refused(
+        &["lobes", "ball.toml"],
+        &["corner_radius_mm", "upright edges"],
+    );
+
+    let slope = slot.replace("G0 Z5.", "X50. Z1.\nG0 Z5.");
+    let summary = mill(&desk, "slope", &slope, "corner_radius_mm = 6");
+    let [removed, target] =
+        ["stock_removed", "target_removed"].map(|name| found(&summary, name).unwrap());
+    assert!((removed / target - 1.0).abs() < 0.01, "{removed} {target}");
+    assert!(target > 1.2 * exact_m3);
+    part_without_defects(&desk, "slope");
+}
+
 /// Modes at 1 and 1.04 kHz.
 const MODES: &str = "
 [[process.path_milling.cutter.mode]]

@@ -63,6 +63,9 @@ const BELT_COMPLIANT: &str = include_str!("every_key/belt_compliant.toml");
 /// Roll and pitch of the work frame would lean the tool, and are left out.
 const PATH_MILLING: &str = include_str!("every_key/path_milling.toml");
 
+/// Worn flanks are not known of round corners.
+const PATH_MILLING_ROUND: &str = include_str!("every_key/path_milling_round.toml");
+
 const BRUSH: &str = include_str!("every_key/brush.toml");
 /// Around a pocket: its sides are fed at the feed, in its corners the wrist is as fast as its share
 /// lets it, and the step of points counts.
@@ -162,6 +165,7 @@ fn every_key_of_milling_counts() {
 #[test]
 fn every_key_of_milling_along_a_path_counts() {
     check(PATH_MILLING, 36);
+    check(PATH_MILLING_ROUND, 16);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, Robot};
+use truecut_core::cutting::milling::profile::Profile;
 use truecut_recording::{Geometry, Pose, Shape};
 
 use super::pose;
@@ -16,6 +17,8 @@ const FOOT_RGBA: [u8; 4] = [70, 160, 230, 255];
 const SPINDLE_RGBA: [u8; 4] = [95, 105, 120, 255];
 /// Corners of what is turned.
 const CORNERS: u32 = 40;
+/// Parts of a cutter's round corner.
+const CORNER_PARTS: u32 = 10;
 /// Parts of the way from flange to tool point at which the spindle ends, and at most the holder.
 const SPINDLE_PART: f64 = 0.6;
 /// Radius of the spindle in that way's length, and its bounds, m.
@@ -88,6 +91,21 @@ impl Tooling {
             cylinder(radius_m, length_m, &at),
             length_m,
         )
+    }
+
+    /// The same with a round corner.
+    pub fn round_mill(outline: &Profile, length_m: f64) -> Self {
+        let corner = (0..=CORNER_PARTS).rev().map(|k| {
+            let kappa = FRAC_PI_2 * f64::from(k) / f64::from(CORNER_PARTS);
+            let height_m = outline.corner_radius_m * (1.0 - kappa.cos());
+            (-height_m, outline.radius_at_m(height_m))
+        });
+        let profile: Vec<(f64, f64)> = [(-length_m, outline.radius_m)]
+            .into_iter()
+            .chain(corner)
+            .collect();
+        let shape = tool(turned(&profile), Pose::IDENTITY);
+        Self::of("cutter", Held::Tool, shape, length_m)
     }
 
     /// A countersink whose edges meet a hole's rim at the tool point, and its shank; pulled

@@ -14,6 +14,7 @@ use super::dexel::FinishedSurface;
 use super::earlier::{Axis, EarlierPass, Ray};
 use super::memory::Trace;
 pub use super::parameters::{MillingParameters, ToolState};
+use super::profile::Lean;
 pub use super::slice::MillingLoads;
 use super::slice::Slice;
 use nalgebra::Vector2;
@@ -85,6 +86,7 @@ impl MillingCut {
                         height_m,
                         thick_m: slice_m,
                         chip_m,
+                        lean: Lean::UPRIGHT,
                         along_m_per_rad: p.feed_per_revolution_m() / TAU * angle_rad.cos(),
                     };
                     let rate = &state.displacement_m_per_rad;

@@ -1,4 +1,4 @@
-//! Geometry of a cylindrical end mill.
+//! Geometry of an end mill.
 
 use super::MillingError;
 use super::flank::Flank;
@@ -13,10 +13,13 @@ pub struct Runout {
     pub angle_rad: f64,
 }
 
-/// A cylindrical end mill with equally spaced teeth.
+/// An end mill with equally spaced teeth: flat, bull-nose or ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cutter {
     pub radius_m: f64,
+    /// r_c between end and upright part, m: 0 of a flat cutter, its radius of a ball. Straight
+    /// cuts, closed forms and limits know flat cutters alone.
+    pub corner_radius_m: f64,
     pub teeth: usize,
     /// β between cutting edge and axis, rad; positive if the edge lags behind with height.
     pub helix_angle_rad: f64,
@@ -31,6 +34,7 @@ impl Cutter {
     pub fn straight(radius_m: f64, teeth: usize) -> Self {
         Self {
             radius_m,
+            corner_radius_m: 0.0,
             teeth,
             helix_angle_rad: 0.0,
             runout: Runout::default(),
@@ -40,8 +44,8 @@ impl Cutter {
     }
 
     /// # Errors
-    /// If the cutter has no teeth, a radius that is not positive, a helix beyond 1.4 rad or more
-    /// runout than half its radius.
+    /// If the cutter has no teeth, a radius that is not positive, a corner radius beyond it, a helix
+    /// beyond 1.4 rad or more runout than half its radius.
     pub fn check(&self) -> Result<(), MillingError> {
         if self.teeth == 0 {
             return Err(MillingError::NoTeeth);
@@ -49,6 +53,13 @@ impl Cutter {
         let radius_m = self.radius_m;
         if !(radius_m > 0.0 && radius_m.is_finite()) {
             return Err(MillingError::Radius { radius_m });
+        }
+        let corner_radius_m = self.corner_radius_m;
+        if !(0.0..=radius_m).contains(&corner_radius_m) {
+            return Err(MillingError::Corner {
+                corner_radius_m,
+                radius_m,
+            });
         }
         let helix_angle_rad = self.helix_angle_rad;
         if !(-1.4..=1.4).contains(&helix_angle_rad) {
@@ -136,6 +147,11 @@ mod tests {
             ..Cutter::straight(5e-3, 2)
         };
         assert!(matches!(twisted.check(), Err(MillingError::Helix { .. })));
+        let rounder = Cutter {
+            corner_radius_m: 5.1e-3,
+            ..Cutter::straight(5e-3, 2)
+        };
+        assert!(matches!(rounder.check(), Err(MillingError::Corner { .. })));
         assert!(Cutter::straight(5e-3, 2).check().is_ok());
     }
 }

@@ -22,6 +22,7 @@
 //! | module | what it holds |
 //! | --- | --- |
 //! | [`cutter`] | teeth, helix, runout, flank |
+//! | [`profile`] | flat, bull-nose and ball: the outline of the body of teeth |
 //! | [`engagement`] | entry and exit angles, the stock |
 //! | [`flank`] | the worn flank, which damps |
 //! | [`nominal`] | forces of the nominal chip in closed form, at an angle and averaged |
@@ -42,6 +43,7 @@ pub mod layered;
 pub mod memory;
 pub mod nominal;
 mod parameters;
+pub mod profile;
 mod slice;
 pub(crate) mod sweep;
 
@@ -58,6 +60,10 @@ pub enum MillingError {
         "the runout of {runout_m} m is not smaller than half the cutter radius of {radius_m} m"
     )]
     Runout { runout_m: f64, radius_m: f64 },
+    #[error(
+        "the corner radius is {corner_radius_m} m; it must be from 0 to the cutter radius, {radius_m} m"
+    )]
+    Corner { corner_radius_m: f64, radius_m: f64 },
     #[error(
         "the radial depth of cut is {radial_depth_m} m; it must be positive and at most the cutter diameter, {diameter_m} m"
     )]

@@ -1,6 +1,7 @@
 //! The force of a thin piece of an edge on the tool.
 
 use super::cutter::Cutter;
+use super::profile::Lean;
 use super::sweep::on_tool_n;
 use crate::cutting::chamfer::CuttingCoefficients;
 use nalgebra::Vector3;
@@ -30,7 +31,10 @@ pub(super) struct Slice {
     /// Above the tip.
     pub height_m: f64,
     pub thick_m: f64,
+    /// Across the axis.
     pub chip_m: f64,
+    /// How the edge stands to the axis.
+    pub lean: Lean,
     /// Way of the axis along the tooth's motion, m/rad.
     pub along_m_per_rad: f64,
 }
@@ -44,13 +48,18 @@ impl MillingLoads {
         slice: &Slice,
         rate_m_per_rad: &Vector3<f64>,
     ) {
+        // A chip along the normal is thinner by sin κ than across the axis, and as much wider.
         let area = slice.chip_m * slice.thick_m;
-        let sizes = coefficients.forces_n(area, slice.thick_m);
+        let Lean {
+            sin: upright,
+            cos: level,
+        } = slice.lean;
+        let sizes = coefficients.forces_n(area, slice.thick_m / upright);
         let mut force = on_tool_n(
             slice.angle_rad,
             sizes.tangential_n,
-            sizes.radial_n,
-            sizes.axial_n,
+            sizes.radial_n * upright - sizes.axial_n * level,
+            sizes.radial_n * level + sizes.axial_n * upright,
         );
         let (sin, cos) = slice.angle_rad.sin_cos();
         let reach = slice.reach_m;
@@ -65,7 +74,7 @@ impl MillingLoads {
         self.moment_on_tool_n_m += arm.cross(&force);
         self.chip_area_m2 += area;
         self.removal_m3_per_rad += area * (reach - 0.5 * slice.chip_m + slice.along_m_per_rad);
-        self.thickest_chip_m = self.thickest_chip_m.max(slice.chip_m);
+        self.thickest_chip_m = self.thickest_chip_m.max(slice.chip_m * upright);
     }
 
     /// Adds a piece of the end of a tooth: on a radius, with a length along it, m. The coefficients

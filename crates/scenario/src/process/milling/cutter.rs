@@ -13,6 +13,8 @@ use crate::units::{from_deg, from_mm, from_um};
 use crate::modes::{self, ModeTable};
 
 const TABLE: &str = "process.milling";
+/// Lengths that differ by this part of them are one.
+const SAME: f64 = 1e-9;
 
 /// Engagements by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
@@ -28,13 +30,17 @@ pub(super) enum EngagementName {
     Between,
 }
 
-/// A cylindrical end mill.
+/// An end mill: flat, bull-nose or ball.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::process) struct CutterTable {
     /// Diameter.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cutter has a diameter"))]
     diameter_mm: f64,
+    /// Radius of the corner between end and upright part along a path in stock: 0 of a flat cutter,
+    /// half the diameter of a ball. Default: 0.
+    #[schemars(extend("minimum" = 0.0, "x-rule" = "0 is a flat end, half the diameter a ball"))]
+    corner_radius_mm: Option<f64>,
     /// Number of equally spaced teeth.
     #[schemars(range(min = 1, max = 64), extend("x-rule" = "a cutter has 1 to 64 teeth"))]
     teeth: u32,
@@ -52,7 +58,7 @@ pub(in crate::process) struct CutterTable {
     #[schemars(extend("minimum" = 0.0, "x-rule" = "0 is a sharp edge"))]
     wear_land_mm: Option<f64>,
     /// Whether the teeth's ends cut from the axis to the rim, so that the cutter can plunge and
-    /// ramp along a path in stock. Default: false.
+    /// ramp along a path in stock. Default: false; a ball's edges reach its axis.
     centre_cutting: Option<bool>,
     /// Modes of cutter, holder and spindle at the tip, the flange held. Default: they are rigid.
     #[schemars(extend("maxItems" = 6, "x-rule" = "a tool has at most 6 modes here"))]
@@ -85,8 +91,15 @@ impl CutterTable {
             );
             check.wrong(table, "runout_um", message, "too much for the cutter");
         }
+        let corner_radius_m = self.corner_m(table, check);
+        let is_ball = corner_radius_m == 0.5 * diameter_m;
+        if is_ball && self.centre_cutting == Some(false) {
+            let is = "is false, but must be true or left out: a ball's edges reach its axis";
+            check.wrong(table, "centre_cutting", is, "of a ball");
+        }
         let cutter = Cutter {
             radius_m: 0.5 * diameter_m,
+            corner_radius_m,
             teeth: self.teeth as usize,
             helix_angle_rad: from_deg(self.helix_deg.unwrap_or(0.0)),
             runout: Runout {
@@ -94,11 +107,27 @@ impl CutterTable {
                 angle_rad: from_deg(self.runout_angle_deg.unwrap_or(0.0)),
             },
             flank: Flank::default(),
-            centre_cutting: self.centre_cutting.unwrap_or(false),
+            centre_cutting: self.centre_cutting.unwrap_or(is_ball),
         };
         let list = format!("{table}.mode");
         let modes = modes::resolve(self.mode.unwrap_or_default(), &list, check);
         (cutter, modes)
+    }
+
+    /// Corner radius, m; no larger than the radius.
+    fn corner_m(&self, table: &str, check: &mut Check) -> f64 {
+        let corner_mm = self.corner_radius_mm.unwrap_or(0.0);
+        let radius_mm = 0.5 * self.diameter_mm;
+        if corner_mm > radius_mm * (1.0 + SAME) {
+            let is = format!(
+                "is {corner_mm}, but must be at most half the cutter's diameter, {radius_mm} mm: that is a ball"
+            );
+            check.wrong(table, "corner_radius_mm", is, "rounder than the cutter");
+        }
+        match corner_mm >= radius_mm * (1.0 - SAME) {
+            true => 0.5 * from_mm(self.diameter_mm),
+            false => from_mm(corner_mm),
+        }
     }
 }
 

@@ -158,6 +158,8 @@ impl MillingTable {
         let own_wear_land_m = self.cutter.wear_land_m();
         let because = "a straight cut does not sink";
         check.ignored("process.milling.cutter", &["centre_cutting"], because);
+        let because = "a straight cut has a flat cutter; process.path_milling leads one with a round corner through stock";
+        check.ignored("process.milling.cutter", &["corner_radius_mm"], because);
         let (mut cutter, (tool, over_speed)) = self.cutter.resolve("process.milling.cutter", check);
         let attached = AttachedModes {
             tool,

@@ -10,6 +10,7 @@ use truecut_core::cutting::chamfer::CuttingCoefficients;
 use truecut_core::cutting::milling::cutter::Cutter;
 use truecut_plan::cam::SpindleSpeed;
 use truecut_plan::path_file::PathFile;
+use truecut_recording::short_number;
 
 use crate::check::Check;
 use crate::fault::Fault;
@@ -140,12 +141,20 @@ impl PathMillingTable {
         if let Some((_, indentation)) = &cutting {
             let arc_m = PI * cutter.radius_m;
             cutter.flank = indentation.resolve(&cutter_table, own_wear_land_m, arc_m, check);
+            if !cutter.is_flat() && !cutter.flank.is_sharp() {
+                let is = format!(
+                    "is {}, but must be 0 where flanks are worn: the law of process damping is that of an upright \
+                     edge. Give `wear_land_mm = 0`",
+                    short_number(cutter.corner_radius_m * 1e3)
+                );
+                check.wrong(&cutter_table, "corner_radius_mm", is, "with worn flanks");
+            }
         }
         let because = "the cutting force acts at the robot's tool point, which follows the path";
         let keys = ["tool_xyz_mm", "tool_rpy_deg"];
         check.ignored(&format!("{TABLE}.path"), &keys, because);
         let path = self.path.resolve(&format!("{TABLE}.path"), folder, check);
-        let stock = self.stock.resolve(cutter.radius_m, folder, check);
+        let stock = self.stock.resolve(&cutter.profile(), folder, check);
         let path = path?;
         let spindle = match self.spindle_rpm {
             Some(rpm) => {

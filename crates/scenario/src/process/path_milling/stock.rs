@@ -8,7 +8,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use truecut_core::cutting::milling::layered::solid::Solid;
 use truecut_core::cutting::milling::layered::stock::{Block, Hole};
-use truecut_core::cutting::milling::layered::way::{COARSEST, MOST_NODES};
+use truecut_core::cutting::milling::layered::way::{COARSEST, COARSEST_OF_CORNER, MOST_NODES};
+use truecut_core::cutting::milling::profile::Profile;
 use truecut_plan::surface::{Mesh, MeshUse};
 
 use crate::check::Check;
@@ -43,7 +44,7 @@ pub(super) struct StockTable {
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
     unit_mm: Option<f64>,
     /// Largest spacing of the grid on which it is kept. Default: a fiftieth of the cutter's
-    /// diameter.
+    /// diameter, at most a quarter of its corner radius.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a grid has a spacing"))]
     grid_mm: Option<f64>,
     /// Round holes through it, along z. Default: none.
@@ -71,12 +72,18 @@ impl StockTable {
     /// `None` after recording a fault.
     pub(super) fn resolve(
         self,
-        radius_m: f64,
+        profile: &Profile,
         folder: &Path,
         check: &mut Check,
     ) -> Option<StockSpec> {
-        let grid_m = (self.grid_mm).map_or(2.0 * DEFAULT_GRID * radius_m, from_mm);
-        let coarsest_m = COARSEST * radius_m;
+        let radius_m = profile.radius_m;
+        let of_corner_m = match profile.is_flat() {
+            true => f64::INFINITY,
+            false => COARSEST_OF_CORNER * profile.corner_radius_m,
+        };
+        let of_itself_m = (2.0 * DEFAULT_GRID * radius_m).min(of_corner_m);
+        let grid_m = (self.grid_mm).map_or(of_itself_m, from_mm);
+        let coarsest_m = (COARSEST * radius_m).min(of_corner_m);
         let (block, solid) = match &self.mesh {
             Some(mesh) => {
                 let because = "the stock is a mesh, which stands where it is";
@@ -91,9 +98,14 @@ impl StockTable {
             }
         };
         if grid_m > coarsest_m * (1.0 + 1e-9) {
+            let of = match of_corner_m < COARSEST * radius_m {
+                true => "a quarter of its corner radius: floors are told between nodes",
+                false => {
+                    "a sixteenth of the cutter's diameter: rims are told to the square of the spacing"
+                }
+            };
             let is = format!(
-                "is {}, but must be at most {} mm, a sixteenth of the cutter's diameter: rims are told to the \
-                 square of the spacing",
+                "is {}, but must be at most {} mm, {of}",
                 grid_m * 1e3,
                 coarsest_m * 1e3
             );

@@ -50,6 +50,12 @@ pub(crate) fn places(
     spec: &PathMillingSpec,
     context: &SetupContext<'_>,
 ) -> Result<CutPlaces, SimError> {
+    if !spec.cutter.is_flat() {
+        let message = "limits are those of upright edges: a cutter with a round corner has none here; runs tell where it \
+                       chatters (path_milling.vibration)";
+        let key = "process.path_milling.cutter.corner_radius_mm";
+        return Err(SimError::scenario(key, message));
+    }
     let motion = motion(spec, context)?;
     let setup = parameters(spec, context, &motion)?;
     Ok(CutPlaces {
@@ -107,7 +113,11 @@ impl PathMillingSetup {
                     None => places.push(place),
                 }
             }
-            left.cut_leg([from.place_m, on.place_m], radius_m, false);
+            left.cut_leg(
+                [from.place_m, on.place_m],
+                &self.spec.cutter.profile(),
+                false,
+            );
             (from, from_s) = (on, time_s);
         }
         places

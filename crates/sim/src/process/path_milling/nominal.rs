@@ -2,7 +2,8 @@
 
 use nalgebra::{Isometry3, Vector3};
 use truecut_arm::{FrameId, Robot};
-use truecut_core::cutting::milling::layered::stock::LayeredStock;
+use truecut_core::cutting::milling::layered::way::Meant;
+use truecut_core::cutting::milling::profile::Profile;
 use truecut_plan::motion::interpolation::{hermite, slope};
 
 /// Pieces of the path that are taken for straight leave it by no more than this part of the grid.
@@ -53,11 +54,12 @@ impl NominalPath {
     }
 
     /// Where a cutter that is led along changes its depth in stock, if it does.
-    pub fn sinks_into(&self, stock: &LayeredStock, radius_m: f64) -> Option<Vector3<f64>> {
-        let mut left = stock.clone();
-        for pair in self.chords(STRAIGHT * stock.grid_m()) {
+    pub fn sinks_into(&self, meant: &Meant, profile: &Profile) -> Option<Vector3<f64>> {
+        let mut left = meant.stock.clone();
+        let radius_m = profile.radius_m;
+        for pair in self.chords(STRAIGHT * left.grid_m()) {
             let tip_m = pair[0].z.min(pair[1].z);
-            if tip_m >= stock.block.most_m.z || stock.block.outside_m(&pair[1].xy()) > radius_m {
+            if tip_m >= left.block.most_m.z || left.block.outside_m(&pair[1].xy()) > radius_m {
                 continue;
             }
             // Above what it is about to cut, by more than it may vibrate.
@@ -68,10 +70,13 @@ impl NominalPath {
             let Some(layer) = left.layers().get(next) else {
                 continue;
             };
-            let is_at_depth = tip_m <= layer.bottom_m + layer.sunk_m();
+            let is_at_depth = match profile.is_flat() {
+                true => tip_m <= layer.bottom_m + layer.sunk_m(),
+                false => meant.is_at_level(tip_m),
+            };
             if is_at_depth {
-                left.cut_leg(pair, radius_m, false);
-            } else if left.cut_leg(pair, radius_m, true) {
+                left.cut_leg(pair, profile, false);
+            } else if left.cut_leg(pair, profile, true) {
                 return Some(pair[1]);
             }
         }

@@ -257,6 +257,9 @@ fn spread(findings: &mut Findings, name: &str, of: &str, left_m: &[f64]) {
 /// Material left on floors by node; not a number where there is none, or no tooth has been.
 fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
     let target = &milling.setup.meant.target;
+    if let Some(cos) = &milling.setup.meant.floor_cos {
+        return round_left_m(milling, cos);
+    }
     let sloped = milling.setup.meant.floor_m.as_ref();
     let floors = milling.cut.floor_m().iter().enumerate();
     let left = floors.map(|(node, floor_m)| {
@@ -271,6 +274,26 @@ fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
                 floor_m - sloped.map_or(bottom_m, |floor_m| floor_m[node])
             }
             _ => f64::NAN,
+        }
+    });
+    left.collect()
+}
+
+/// The same under a cutter with a round corner, along the normal of what the path as written leaves,
+/// where that is no steeper than 60 degrees.
+fn round_left_m(milling: &PathMilling, cos: &[f64]) -> Vec<f64> {
+    const STEEPEST: f64 = 0.5;
+    let meant = &milling.setup.meant;
+    let written = meant.floor_m.iter().flatten().zip(cos);
+    let floors = milling.cut.floor_m().iter().zip(written);
+    let block = meant.target.block;
+    let left = floors.map(|(floor_m, (written_m, cos))| {
+        let is_floor = *cos >= STEEPEST
+            && floor_m.is_finite()
+            && (block.least_m.z..block.most_m.z).contains(written_m);
+        match is_floor {
+            true => (floor_m - written_m) * cos,
+            false => f64::NAN,
         }
     });
     left.collect()

@@ -40,8 +40,12 @@ pub(crate) fn setup(
     let solid = spec.stock.solid.clone();
     let half_m = 0.5 * (block.most_m - block.least_m);
     let length_m = (block.most_m - block.least_m).z.max(2.0 * radius_m) + 2.0 * radius_m;
+    let tooling = match spec.cutter.is_flat() {
+        true => Tooling::end_mill(radius_m, length_m),
+        false => Tooling::round_mill(&spec.cutter.profile(), length_m),
+    };
     Ok(ProcessSetup::new(PathMilling::new(setup), from.posture)
-        .holding(Tooling::end_mill(radius_m, length_m))
+        .holding(tooling)
         .on(move || match &solid {
             Some(solid) => vec![shapes::solid(&process_from_work, solid)],
             None => vec![shapes::stock(&process_from_block, &half_m)],
@@ -65,14 +69,14 @@ pub(super) fn parameters(
     let course = spindle(spec, way);
     check_feed(spec, way, &course)?;
     let legs = legs(spec, way, robot)?;
-    let radius_m = spec.cutter.radius_m;
+    let profile = spec.cutter.profile();
     let ends_cut = spec.cutter.centre_cutting;
     let followed = follow(
         &legs,
         spec.stock.block,
         &spec.stock.holes,
         spec.stock.solid.as_deref(),
-        radius_m,
+        &profile,
         spec.stock.grid_m,
         ends_cut,
     );
@@ -85,7 +89,7 @@ pub(super) fn parameters(
     let nominal = NominalPath::new(robot, &motion.knots, KNOT_INTERVAL_S, &work_from_world);
     let sinks = match ends_cut {
         true => None,
-        false => nominal.sinks_into(&meant.stock, radius_m),
+        false => nominal.sinks_into(&meant, &profile),
     };
     if let Some(sinking) = sinks {
         let near = (way.points.iter()).min_by(|a, b| {

@@ -6,14 +6,16 @@
 //! distance from a line. Of the ray between there and the tip counts what lies in stock that no
 //! tooth had been to before the stored motion begins.
 
+use super::round::{self, Piece};
 use super::stock::LayeredStock;
 use super::walls::Walls;
 use crate::cutting::chamfer::CuttingCoefficients;
 use crate::cutting::milling::cutter::Cutter;
 use crate::cutting::milling::earlier::{Axis, EarlierPass, Ray};
 use crate::cutting::milling::memory::Trace;
+use crate::cutting::milling::profile::Lean;
 use crate::cutting::milling::slice::{MillingLoads, Slice};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// Revolutions of which the motion is kept.
@@ -41,6 +43,8 @@ pub struct LayeredCut {
     pub cutter: Cutter,
     pub coefficients: CuttingCoefficients,
     pub(super) stock: LayeredStock,
+    /// As it was at the start, of cutters with a round corner.
+    pub(super) whole: Option<LayeredStock>,
     pub(super) walls: Walls,
     /// Lowest place of the tip over each node, m.
     pub(super) floor_m: Vec<f64>,
@@ -58,7 +62,7 @@ pub struct LayeredCut {
 pub(super) struct Passes {
     /// Rotation and place of the axis so many pitches before.
     pub(super) earlier: Vec<(f64, Vector3<f64>)>,
-    speed_m_per_rad: f64,
+    pub(super) speed_m_per_rad: f64,
 }
 
 impl LayeredCut {
@@ -85,6 +89,7 @@ impl LayeredCut {
                     stands.map_or(f64::NEG_INFINITY, |layer| layer.top_m)
                 })
                 .collect(),
+            whole: (!cutter.is_flat()).then(|| stock.clone()),
             stock,
             walls,
             trace: Trace::new(span_rad, start_m),
@@ -130,29 +135,31 @@ impl LayeredCut {
             self.add_ends(&mut loads, at, &passes, &mut in_cut);
         }
         for (layer, [low_m, high_m]) in self.engaged(at.place_m.z) {
-            let low_m = low_m.max(ends_m);
+            // A corner cuts beside the ends from the tip on.
+            let low_m = if cutter.is_flat() {
+                low_m.max(ends_m)
+            } else {
+                low_m
+            };
             if low_m >= high_m {
                 continue;
             }
-            let lag = cutter.lag_rad_per_m();
-            let count = ((lag.abs() * (high_m - low_m) / SLICE_LAG_RAD).ceil() as usize).max(1);
-            let thick_m = (high_m - low_m) / count as f64;
-            for slice in 0..count {
-                let height_m = low_m + thick_m * (slice as f64 + 0.5) - at.place_m.z;
+            for piece in self.pieces([low_m, high_m], at.place_m.z) {
                 for (tooth, cuts) in in_cut.iter_mut().enumerate() {
                     let tip_rad = cutter.tooth_angle_rad(tooth, at.rotation_rad);
-                    let angle_rad = tip_rad - lag * height_m;
-                    let chip_m = self.chip_m(layer, tooth, angle_rad, height_m, at, &passes);
+                    let angle_rad = tip_rad - cutter.lag_rad_per_m() * piece.height_m;
+                    let chip_m = self.chip_m(layer, tooth, angle_rad, &piece, at, &passes);
                     if chip_m <= 0.0 {
                         continue;
                     }
                     *cuts = true;
                     let slice = Slice {
-                        reach_m: cutter.tooth_radius_m(tooth),
+                        reach_m: cutter.tooth_reach_m(tooth, piece.height_m),
                         angle_rad,
-                        height_m,
-                        thick_m,
+                        height_m: piece.height_m,
+                        thick_m: piece.thick_m,
                         chip_m,
+                        lean: piece.lean,
                         along_m_per_rad: feed_m_per_rad.dot(&Ray::at(angle_rad).along),
                     };
                     loads.add(cutter, &self.coefficients, &slice, &at.vibration_m_per_rad);
@@ -161,6 +168,31 @@ impl LayeredCut {
         }
         loads.teeth_in_cut = in_cut.iter().filter(|cuts| **cuts).count();
         loads
+    }
+
+    /// The edge of a cutter with its tip at a height, between two heights of a layer, in pieces.
+    fn pieces(&self, [low_m, high_m]: [f64; 2], tip_m: f64) -> impl Iterator<Item = Piece> {
+        let profile = self.cutter.profile();
+        let lag = self.cutter.lag_rad_per_m();
+        let corner = (!profile.is_flat()).then(|| {
+            let heights_m = [low_m - tip_m, high_m - tip_m];
+            round::pieces(profile, heights_m, lag, SLICE_LAG_RAD)
+        });
+        let low_m = match profile.is_flat() {
+            true => low_m,
+            false => low_m.max(tip_m + profile.corner_radius_m),
+        };
+        let count = match low_m < high_m {
+            true => ((lag.abs() * (high_m - low_m) / SLICE_LAG_RAD).ceil() as usize).max(1),
+            false => 0,
+        };
+        let thick_m = (high_m - low_m) / count as f64;
+        let upright = (0..count).map(move |slice| Piece {
+            height_m: low_m + thick_m * (slice as f64 + 0.5) - tip_m,
+            thick_m,
+            lean: Lean::UPRIGHT,
+        });
+        corner.into_iter().flatten().chain(upright)
     }
 
     /// Where the tool was at a rotation not longer ago than a pitch, its vibration changing as now.
@@ -175,19 +207,19 @@ impl LayeredCut {
     /// Whether tip and root of a straight edge's chip lie in stock, at the lowest layer that it
     /// reaches.
     pub fn ends_in_stock(&self, tooth: usize, at: &ToolPlace) -> [bool; 2] {
-        let Some((layer, _)) = self.engaged(at.place_m.z).next() else {
+        let Some((layer, height_m)) = self.looked_at(at) else {
             return [false; 2];
         };
         let angle_rad = self.cutter.tooth_angle_rad(tooth, at.rotation_rad);
         let ray = Ray::at(angle_rad);
-        let reach_m = self.cutter.tooth_radius_m(tooth);
+        let reach_m = self.cutter.tooth_reach_m(tooth, height_m);
         let axis_m = at.place_m.xy();
         let is_in = |along_m: f64| self.stock.is_left(layer, &(axis_m + ray.outward * along_m));
         let tip = is_in(reach_m);
         if self.stock.block.outside_m(&axis_m) >= 2.0 * reach_m {
             return [tip; 2];
         }
-        let surface_m = self.surface_m(tooth, &ray, 0.0, at, &self.passes(at));
+        let surface_m = self.surface_m(tooth, &ray, height_m, at, &self.passes(at));
         [tip, is_in(surface_m.min(reach_m))]
     }
 
@@ -218,13 +250,13 @@ impl LayeredCut {
         let Some((before_rad, before_m)) = self.trace.last() else {
             return false;
         };
-        let Some((layer, _)) = self.engaged(at.place_m.z).next() else {
+        let Some((layer, height_m)) = self.looked_at(at) else {
             return false;
         };
         let turned_rad = at.rotation_rad - before_rad;
         let moved_m = (at.place_m - before_m).xy();
         (0..self.cutter.teeth).any(|tooth| {
-            let radius_m = self.cutter.tooth_radius_m(tooth);
+            let radius_m = self.cutter.tooth_reach_m(tooth, height_m);
             let advance_m = 2.0 * radius_m * (0.5 * turned_rad).sin();
             if moved_m.norm() < advance_m {
                 return false;
@@ -236,8 +268,13 @@ impl LayeredCut {
         })
     }
 
+    /// Layers that the edge reaches, from the lowest, with the heights between which it does.
     pub(super) fn engaged(&self, tip_m: f64) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
-        self.stock.engaged(tip_m)
+        let (flat, round) = match self.cutter.is_flat() {
+            true => (Some(self.stock.engaged(tip_m)), None),
+            false => (None, Some(self.stock.reached(tip_m))),
+        };
+        (flat.into_iter().flatten()).chain(round.into_iter().flatten())
     }
 
     fn passes(&self, at: &ToolPlace) -> Passes {
@@ -258,30 +295,41 @@ impl LayeredCut {
         layer: usize,
         tooth: usize,
         angle_rad: f64,
-        height_m: f64,
+        piece: &Piece,
         at: &ToolPlace,
         passes: &Passes,
     ) -> f64 {
         let ray = Ray::at(angle_rad);
-        let reach_m = self.cutter.tooth_radius_m(tooth);
+        let reach_m = self.cutter.tooth_reach_m(tooth, piece.height_m);
+        if reach_m <= 0.0 {
+            return 0.0;
+        }
         let axis_m = at.place_m.xy();
         let tip_m = axis_m + ray.outward * reach_m;
         // No chip is thicker than the way since the tooth before, and its difference in radius.
         let moved_m = (passes.earlier[0].1 - at.place_m).xy().norm();
         let shift_m = passes.speed_m_per_rad * FRAC_PI_2 * moved_m / reach_m;
-        let most_m = moved_m + shift_m + 2.0 * self.cutter.runout.offset_m.abs();
+        let sunk_m = self.sunk_chip_m(piece, at, passes);
+        let most_m = moved_m + shift_m + 2.0 * self.cutter.runout.offset_m.abs() + sunk_m;
         if self.stock.block.outside_m(&tip_m) > most_m {
             return 0.0;
         }
-        if self.stock.beyond_m(layer, &tip_m) < -most_m - self.stock.grid_m() {
+        let by_heights = piece.lean.is_shallow();
+        let aside_m = ray.outward * self.to_middle_m(layer, piece, at.place_m.z);
+        let beyond_m = |place_m: Vector2<f64>| self.stock.beyond_m(layer, &(place_m + aside_m));
+        if !by_heights && beyond_m(tip_m) < -most_m - self.stock.grid_m() {
             return 0.0;
         }
-        let surface_m = self.surface_m(tooth, &ray, height_m, at, passes);
+        let surface_m = self.surface_m(tooth, &ray, piece.height_m, at, passes);
         if surface_m >= reach_m {
             return 0.0;
         }
         let root_m = axis_m + ray.outward * surface_m;
-        (self.stock.inside_m(layer, &root_m, &tip_m)).min(reach_m - surface_m)
+        let inside_m = match by_heights {
+            true => self.under_m(layer, at.place_m.z + piece.height_m, &root_m, &tip_m),
+            false => (self.stock).length_in_m(&root_m, &tip_m, |place_m| beyond_m(*place_m)),
+        };
+        inside_m.min(reach_m - surface_m)
     }
 
     /// How far from the axis the surface begins that earlier teeth have left, m.
@@ -294,17 +342,24 @@ impl LayeredCut {
         passes: &Passes,
     ) -> f64 {
         let (teeth, pitch_rad) = (self.cutter.teeth, self.cutter.pitch_rad());
-        let reach_m = self.cutter.tooth_radius_m(tooth);
-        let mut surface_m = 0.0_f64;
+        let reach_m = self.cutter.tooth_reach_m(tooth, height_m);
+        // What stands under a flat end is not the corner's.
+        let mut surface_m = match self.cutter.is_flat() {
+            true => 0.0_f64,
+            false => self.cutter.profile().end_radius_m(),
+        };
         for (index, (then_rad, then_m)) in passes.earlier.iter().enumerate() {
             let m = index + 1;
             if then_m.z > at.place_m.z + height_m {
                 continue;
             }
-            let radius_m = self
-                .cutter
-                .tooth_radius_m((tooth + teeth - m % teeth) % teeth);
+            let before = (tooth + teeth - m % teeth) % teeth;
+            let above_m = at.place_m.z + height_m - then_m.z;
+            let radius_m = self.cutter.tooth_reach_m(before, above_m);
             let off_m = (then_m - at.place_m).xy();
+            if self.misses(&off_m, ray, radius_m, passes) {
+                continue;
+            }
             let speed = passes.speed_m_per_rad;
             // |δ| <= π/2 (|o| + V |δ|)/r bounds where the ray is crossed.
             let slack = 1.0 - FRAC_PI_2 * speed / radius_m;

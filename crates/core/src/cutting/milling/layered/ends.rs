@@ -32,7 +32,11 @@ impl LayeredCut {
         for (tooth, cuts) in in_cut.iter_mut().enumerate() {
             let angle_rad = self.cutter.tooth_angle_rad(tooth, at.rotation_rad);
             let ray = Ray::at(angle_rad);
-            let reach_m = self.cutter.tooth_radius_m(tooth);
+            // Beyond its flat end a round corner cuts as an edge that leans.
+            let reach_m = self.cutter.tooth_radius_m(tooth) - self.cutter.corner_radius_m;
+            if reach_m <= 0.0 {
+                continue;
+            }
             let longest_m = (LONGEST_PIECE * reach_m).min(self.stock.grid_m());
             let count = (reach_m / longest_m).ceil();
             let piece_m = reach_m / count;
@@ -65,8 +69,12 @@ impl LayeredCut {
         for (index, (_, then_m)) in passes.earlier.iter().enumerate() {
             let before = (tooth + index + 1) % teeth;
             // What the tooth before did not stand over is the rim's from its height on.
-            if index == 0 || (place_m - then_m.xy()).norm() <= self.cutter.tooth_radius_m(before) {
-                surface_m = surface_m.min(then_m.z);
+            let rise_m = match index {
+                0 => Some(0.0),
+                _ => (self.cutter).tooth_rise_m(before, (place_m - then_m.xy()).norm()),
+            };
+            if let Some(rise_m) = rise_m {
+                surface_m = surface_m.min(then_m.z + rise_m);
             }
         }
         let chip_m = surface_m - at.place_m.z;

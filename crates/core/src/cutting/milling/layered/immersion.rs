@@ -23,10 +23,20 @@ pub struct Immersion {
 }
 
 impl LayeredCut {
-    /// Where the rim of a tool that is fed along `feed` is in stock at the layer of its tip.
+    /// Where the rim of a tool that is fed along `feed` is in stock at the layer of its tip; of one
+    /// with a round corner at the highest layer at which it is in stock, on its radius there.
     pub fn immersion(&self, at: &ToolPlace, feed: &Vector2<f64>) -> Option<Immersion> {
-        let (layer, _) = self.engaged(at.place_m.z).next()?;
-        (self.stock).immersion(layer, &at.place_m.xy(), self.cutter.radius_m, feed)
+        let axis_m = at.place_m.xy();
+        if self.cutter.is_flat() {
+            let (layer, _) = self.engaged(at.place_m.z).next()?;
+            return (self.stock).immersion(layer, &axis_m, self.cutter.radius_m, feed);
+        }
+        let layers = self.stock.taken_by(at.place_m.z, &self.cutter.profile());
+        layers.rev().find_map(|layer| {
+            let height_m = self.stock.layers()[layer].middle_m() - at.place_m.z;
+            let radius_m = self.cutter.profile().radius_at_m(height_m);
+            self.stock.immersion(layer, &axis_m, radius_m, feed)
+        })
     }
 }
 

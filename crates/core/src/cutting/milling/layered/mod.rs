@@ -1,4 +1,4 @@
-//! A flat end mill on any path in a body of stock, its axis along z.
+//! An end mill on any path in a body of stock, its axis along z.
 //!
 //! The stock is a block in layers between the depths of the path. Each layer holds, at the nodes of
 //! a plane grid, how far the node lies beyond what teeth have cut: the distance from the nearest
@@ -16,6 +16,7 @@
 //! | [`way`] | the path as written: depths, what it must not do, the walls that it means |
 //! | [`cut`] | forces of a vibrating tool, where its rim is in stock |
 //! | `ends` | forces of the ends of teeth on plunges and ramps |
+//! | `round` | round corners of cutters: chips of their edges, layers, floors |
 //! | `sinking` | legs on which the depth changes: their layers and floors |
 //! | [`solid`] | stock from a closed mesh: sections by layer |
 //! | [`walls`] | rays on which walls are measured |
@@ -26,6 +27,7 @@ pub mod cut;
 mod ends;
 mod immersion;
 pub mod outline;
+mod round;
 mod sinking;
 pub mod solid;
 pub mod stock;

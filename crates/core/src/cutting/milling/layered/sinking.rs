@@ -2,6 +2,7 @@
 
 use super::stock::{Block, LayeredStock, MOST_SUNK_M, off_line};
 use super::way::{Leg, PIECES, SAME_DEPTH_M};
+use crate::cutting::milling::profile::Profile;
 use nalgebra::{Vector2, Vector3};
 
 /// Most layers of a ramp.
@@ -10,6 +11,8 @@ const MOST_LAYERS: f64 = 40.0;
 const MOST_NODES: f64 = 64e6;
 /// Pieces of a ramp sink by no more than this part of a layer.
 const PIECE: f64 = 0.125;
+/// The same of round corners, as a part of the thickest layer: all of a slope lies under them.
+const ROUND_PIECE: f64 = 0.04;
 
 impl Leg {
     /// Whether it leads straight down or up.
@@ -41,10 +44,10 @@ impl Leg {
 }
 
 /// Which of the legs change their depth in what a whole stock holds.
-pub(super) fn sinking(legs: &[Leg], stock: &mut LayeredStock, radius_m: f64) -> Vec<bool> {
+pub(super) fn sinking(legs: &[Leg], stock: &mut LayeredStock, profile: &Profile) -> Vec<bool> {
     let each = legs.iter().map(|leg| {
         let height_m = (leg.to_m.z - leg.from_m.z).abs() / PIECES as f64;
-        let mut touches = |piece| stock.cut_leg(piece, radius_m, true);
+        let mut touches = |piece| stock.cut_leg(piece, profile, true);
         !leg.rapid && !leg.is_level() && leg.pieces(height_m).any(&mut touches)
     });
     each.collect()
@@ -52,12 +55,13 @@ pub(super) fn sinking(legs: &[Leg], stock: &mut LayeredStock, radius_m: f64) -> 
 
 /// Depths between which stock has its own layers for legs that sink: their ends, and on slanted
 /// ones steps of the grid, at most so large that a tool belongs to the next layer from half on;
-/// larger ones where those would be too many.
+/// larger ones where those would be too many. A round corner has them, too.
 pub(super) fn depths_m(
     legs: &[Leg],
     sinks: &[bool],
     block: &Block,
     stock: &LayeredStock,
+    profile: &Profile,
 ) -> Vec<f64> {
     let mut depths = Vec::new();
     let (mut least_m, mut most_m) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -66,7 +70,8 @@ pub(super) fn depths_m(
         depths.extend(ends);
         if !leg.is_plunge() {
             least_m = ends.iter().fold(least_m, |a, b| a.min(*b));
-            most_m = ends.iter().fold(most_m, |a, b| a.max(*b));
+            let upright = |z: f64| (z + profile.corner_radius_m).min(block.most_m.z);
+            most_m = ends.iter().fold(most_m, |a, b| a.max(upright(*b)));
         }
     }
     let range_m = most_m - least_m;
@@ -83,7 +88,11 @@ pub(super) fn depths_m(
 }
 
 /// Height of the pieces in which slanted legs cut stock, m.
-pub(super) fn piece_m(stock: &LayeredStock) -> f64 {
+pub(super) fn piece_m(stock: &LayeredStock, profile: &Profile) -> f64 {
+    if !profile.is_flat() {
+        // Not by the layers: those about a corner's end are thin.
+        return ROUND_PIECE * stock.grid_m().min(2.0 * MOST_SUNK_M);
+    }
     let heights = stock.layers().iter().map(|one| one.height_m());
     PIECE * heights.fold(stock.grid_m(), f64::min).max(SAME_DEPTH_M)
 }
@@ -97,7 +106,7 @@ pub(super) fn floor_m(
 ) -> Vec<f64> {
     let nodes = stock.nodes();
     let mut floor_m = vec![f64::INFINITY; nodes[0] * nodes[1]];
-    let piece_m = piece_m(stock);
+    let piece_m = piece_m(stock, &Profile::flat(radius_m));
     for (leg, sinks) in legs.iter().zip(sinks) {
         if leg.rapid || !(leg.is_level() || *sinks) {
             continue;

@@ -1,7 +1,9 @@
 //! A block of stock in layers on a plane grid.
 
 use super::arc::ToothArc;
+use super::round;
 use super::way::SAME_DEPTH_M;
+use crate::cutting::milling::profile::Profile;
 use nalgebra::{Vector2, Vector3};
 use std::ops::Range;
 
@@ -79,6 +81,10 @@ pub struct Layer {
 impl Layer {
     pub fn height_m(&self) -> f64 {
         self.top_m - self.bottom_m
+    }
+
+    pub fn middle_m(&self) -> f64 {
+        0.5 * (self.bottom_m + self.top_m)
     }
 
     /// How far below its bottom a tool still belongs to it.
@@ -197,6 +203,16 @@ impl LayeredStock {
 
     /// How far a place lies beyond what is cut of a layer, m, in the block.
     pub fn beyond_m(&self, layer: usize, place_m: &Vector2<f64>) -> f64 {
+        let values = &self.layers[layer].beyond_m;
+        self.between_nodes(place_m, |node| values[node])
+    }
+
+    /// What is known at nodes, bilinear between them, at a place in the block.
+    pub(super) fn between_nodes(
+        &self,
+        place_m: &Vector2<f64>,
+        value: impl Fn(usize) -> f64,
+    ) -> f64 {
         let at = (place_m - self.block.least_m.xy()).component_div(&self.spacing_m);
         let index = |axis: usize| {
             let last = self.nodes[axis] as f64 - 2.0;
@@ -205,10 +221,9 @@ impl LayeredStock {
         let (i, j) = (index(0), index(1));
         let (u, v) = ((at.x - i).clamp(0.0, 1.0), (at.y - j).clamp(0.0, 1.0));
         let first = i as usize + j as usize * self.nodes[0];
-        let values = &self.layers[layer].beyond_m;
-        let low = values[first] * (1.0 - u) + values[first + 1] * u;
+        let low = value(first) * (1.0 - u) + value(first + 1) * u;
         let above = first + self.nodes[0];
-        let high = values[above] * (1.0 - u) + values[above + 1] * u;
+        let high = value(above) * (1.0 - u) + value(above + 1) * u;
         low * (1.0 - v) + high * v
     }
 
@@ -217,8 +232,13 @@ impl LayeredStock {
         self.block.contains(place_m) && self.beyond_m(layer, place_m) > 0.0
     }
 
-    /// Length of the way between two places that lies in the material of a layer, m.
-    pub fn inside_m(&self, layer: usize, from_m: &Vector2<f64>, to_m: &Vector2<f64>) -> f64 {
+    /// Length of the way between two places that lies in the block where a value is positive, m.
+    pub(super) fn length_in_m(
+        &self,
+        from_m: &Vector2<f64>,
+        to_m: &Vector2<f64>,
+        value: impl Fn(&Vector2<f64>) -> f64,
+    ) -> f64 {
         let along_m = to_m - from_m;
         let (low, high) = self.block.clip(from_m, &along_m);
         let length_m = along_m.norm() * (high - low);
@@ -228,7 +248,7 @@ impl LayeredStock {
         let parts = (length_m / self.grid_m()).ceil().max(1.0);
         let beyond = |part: f64| {
             let share = low + (high - low) * part / parts;
-            self.beyond_m(layer, &(from_m + along_m * share))
+            value(&(from_m + along_m * share))
         };
         let mut sum = 0.0;
         let mut before = beyond(0.0);
@@ -312,26 +332,40 @@ impl LayeredStock {
 
     /// A cutter that does not vibrate has gone straight between two places at a depth. Tells
     /// whether it took material, of nodes that lie well within.
-    pub fn cut_leg(&mut self, leg: [Vector3<f64>; 2], radius_m: f64, keeps: bool) -> bool {
+    pub fn cut_leg(&mut self, leg: [Vector3<f64>; 2], profile: &Profile, keeps: bool) -> bool {
         let tip_m = leg[0].z.min(leg[1].z);
         let layers = match keeps {
             true => self.layers.partition_point(|one| one.top_m <= tip_m + 1e-9)..self.layers.len(),
-            false => self.cut_by(tip_m),
+            false => self.taken_by(tip_m, profile),
         };
+        let radius_m = |layer: usize| {
+            let one = &self.layers[layer];
+            // Material to its top is met there, but what a corner leaves of thin layers is not.
+            let height_m = match keeps {
+                true => one.middle_m().max(one.top_m - MOST_SUNK_M),
+                false => one.middle_m(),
+            };
+            profile.radius_at_m(height_m - tip_m)
+        };
+        let radii_m: Vec<f64> = layers.clone().map(radius_m).collect();
         let (from, to) = (leg[0].xy(), leg[1].xy());
         let known_m = KNOWN * self.grid_m();
-        let reach = Vector2::repeat(radius_m + known_m);
+        let reach = Vector2::repeat(profile.radius_m + known_m);
         let range = self.between([from.inf(&to) - reach, from.sup(&to) + reach]);
+        let well_m = self
+            .grid_m()
+            .max(round::PIECE_RAD * profile.corner_radius_m);
         let mut took = false;
         for node in self.each(range) {
-            let beyond_m = off_line(&self.place(node), &from, &to) - radius_m;
-            if beyond_m > known_m {
-                continue;
-            }
-            let well_within = beyond_m < -self.grid_m();
-            for layer in &mut self.layers[layers.clone()] {
+            let off_m = off_line(&self.place(node), &from, &to);
+            for (layer, radius_m) in self.layers[layers.clone()].iter_mut().zip(&radii_m).rev() {
+                let beyond_m = off_m - radius_m;
+                // A layer below is cut no wider.
+                if beyond_m > known_m {
+                    break;
+                }
                 let value = &mut layer.beyond_m[node];
-                took |= well_within && *value > 0.0;
+                took |= beyond_m < -well_m && *value > 0.0;
                 if !keeps {
                     *value = value.min(beyond_m);
                 }

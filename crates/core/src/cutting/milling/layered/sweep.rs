@@ -40,37 +40,47 @@ impl LayeredCut {
         {
             return;
         }
-        let reached = self.stock.cut_by(tip_m).start;
-        let before = self.stock.cut_by(from.1.z).start;
-        if self.cutter.centre_cutting && reached < before {
-            (self.stock).cut_disc(reached..before, &to.1.xy(), self.cutter.radius_m);
+        let profile = self.cutter.profile();
+        let layers = self.stock.taken_by(tip_m, &profile);
+        let before = self.stock.taken_by(from.1.z, &profile).start;
+        if self.cutter.centre_cutting {
+            for layer in layers.start..before {
+                let middle_m = self.stock.layers()[layer].middle_m();
+                let radius_m = profile.radius_at_m(middle_m - tip_m);
+                self.stock.cut_disc(layer..layer + 1, &to.1.xy(), radius_m);
+            }
         }
         let earlier_m = self.trace.at(to.0 - self.cutter.pitch_rad()).displacement_m;
         let travel_m = (earlier_m - to.1).xy().norm();
         let lag = self.cutter.lag_rad_per_m();
         for tooth in 0..self.cutter.teeth {
-            let arc = |height_m: f64| {
+            let arc = |height_m: f64, radius_m: f64| {
                 let angle_rad =
                     self.cutter.tooth_angle_rad(tooth, from.0) - lag * (height_m - tip_m);
                 ToothArc::new(
                     [angle_rad % TAU, angle_rad % TAU + (to.0 - from.0)],
                     [from.1.xy(), to.1.xy()],
-                    self.cutter.tooth_radius_m(tooth),
+                    radius_m,
                 )
             };
-            let layers = self.stock.cut_by(tip_m);
             for layer in layers.clone() {
                 let one = &self.stock.layers()[layer];
-                let arc = arc(0.5 * (one.bottom_m.max(tip_m) + one.top_m));
+                let height_m = match profile.is_flat() {
+                    true => 0.5 * (one.bottom_m.max(tip_m) + one.top_m),
+                    false => one.middle_m(),
+                };
+                let reach_m = self.cutter.tooth_reach_m(tooth, height_m - tip_m);
+                let arc = arc(height_m, reach_m);
                 self.stock.cut_arc(layer, &arc, travel_m);
                 self.walls.cut(layer, &arc);
             }
-            self.sweep_floor(&arc(tip_m), tip_m);
+            let rim_m = self.cutter.tooth_radius_m(tooth);
+            self.sweep_floor(tooth, &arc(tip_m, rim_m), [from.1.z, tip_m]);
         }
     }
 
-    /// The end of a tooth, from the axis to its tip, has run over the floor.
-    fn sweep_floor(&mut self, arc: &ToothArc, tip_m: f64) {
+    /// The end of a tooth, from the axis to its rim, has run over the floor.
+    fn sweep_floor(&mut self, tooth: usize, arc: &ToothArc, [from_m, tip_m]: [f64; 2]) {
         let range = self.stock.between(arc.bounds([0.0, arc.radius_m]));
         for node in self.stock.each(range) {
             // Most teeth run over a floor that lies as deep already.
@@ -78,11 +88,16 @@ impl LayeredCut {
                 continue;
             }
             let place = self.stock.place(node);
-            let Some((_, axis_m)) = arc.at(&place) else {
+            let Some((share, axis_m)) = arc.at(&place) else {
                 continue;
             };
-            if (place - axis_m).norm_squared() <= arc.radius_m * arc.radius_m {
-                self.floor_m[node] = tip_m;
+            if self.cutter.is_flat() {
+                if (place - axis_m).norm_squared() <= arc.radius_m * arc.radius_m {
+                    self.floor_m[node] = tip_m;
+                }
+            } else if let Some(rise_m) = self.cutter.tooth_rise_m(tooth, (place - axis_m).norm()) {
+                let then_m = from_m + (tip_m - from_m) * share.clamp(0.0, 1.0);
+                self.floor_m[node] = self.floor_m[node].min(then_m + rise_m);
             }
         }
     }

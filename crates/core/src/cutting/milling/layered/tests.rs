@@ -4,6 +4,7 @@ use super::walls::Walls;
 use super::way::{Leg, Meant, WayFault, follow};
 use crate::cutting::milling::cutter::Cutter;
 use crate::cutting::milling::examples::aluminium;
+use crate::cutting::milling::profile::Profile;
 use nalgebra::{Vector2, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -11,6 +12,7 @@ use rand_distr::{Distribution, Uniform};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 mod mesh;
+mod round;
 mod sinking;
 mod solid;
 mod straight;
@@ -54,7 +56,16 @@ fn arc_mm(centre: [f64; 2], radius: f64, [from, to]: [f64; 2]) -> Vec<[f64; 2]> 
 }
 
 fn meant(legs: &[Leg], holes: &[Hole], radius_m: f64, grid_m: f64) -> Meant {
-    follow(legs, BLOCK, holes, None, radius_m, grid_m, false).unwrap()
+    follow(
+        legs,
+        BLOCK,
+        holes,
+        None,
+        &Profile::flat(radius_m),
+        grid_m,
+        false,
+    )
+    .unwrap()
 }
 
 /// Leads a tool along legs; `off` is its displacement by rotation, `each` sees every state before
@@ -324,7 +335,8 @@ fn outside_corner(r: f64, large: f64) -> f64 {
 #[test]
 fn paths_that_cannot_be_cut_are_refused() {
     let r_m = 5e-3;
-    let refused = |legs: &[Leg]| follow(legs, BLOCK, &[], None, r_m, 0.5e-3, false).unwrap_err();
+    let flat = Profile::flat(r_m);
+    let refused = |legs: &[Leg]| follow(legs, BLOCK, &[], None, &flat, 0.5e-3, false).unwrap_err();
     let mut way = legs(&[[-10.0, 20.0], [10.0, 20.0], [20.0, 20.0]], -1.0);
     way[1].rapid = true;
     assert!(matches!(refused(&way), WayFault::Rapid { point: 2, .. }));

@@ -1,9 +1,11 @@
 //! The path of a milling tool as it is written: its depths, what it must not do, what it leaves.
 
+use super::round;
 use super::sinking;
 use super::solid::Solid;
-use super::stock::{Block, Hole, LayeredStock};
+use super::stock::{Block, Hole, LayeredStock, MOST_SUNK_M};
 use super::walls::{Side, Station};
+use crate::cutting::milling::profile::Profile;
 use nalgebra::{Vector2, Vector3};
 
 /// Heights that differ by no more are one depth, m.
@@ -12,6 +14,8 @@ pub(super) const SAME_DEPTH_M: f64 = 1e-6;
 pub(super) const PIECES: usize = 40;
 /// Grids are no coarser than this part of the cutter's radius.
 pub const COARSEST: f64 = 0.125;
+/// Grids are no coarser than this part of the radius of its corner, if that is round.
+pub const COARSEST_OF_CORNER: f64 = 0.25;
 /// Most nodes of a grid.
 pub const MOST_NODES: f64 = 16e6;
 /// Most stations of walls.
@@ -91,15 +95,29 @@ pub struct Meant {
     /// Walls that it leaves.
     pub stations: Vec<Station>,
     /// Lowest place of the tip over each node, m, infinite where it is not led; only of a path
-    /// that sinks in stock.
+    /// that sinks in stock. Where a round corner leads up beside the tip: the floor.
     pub floor_m: Option<Vec<f64>>,
+    /// cos κ of the cutter where it leaves that floor, of one with a round corner.
+    pub floor_cos: Option<Vec<f64>>,
+    /// Depths at which the path feeds level, m, rising.
+    pub levels_m: Vec<f64>,
 }
 
 /// Farthest that feed may go on beyond the stock, in diameters.
 const MOST_AIR: f64 = 4.0;
 
-/// Follows a path through stock with a cutter of this radius, whose ends cut or do not: a block, or
-/// what of it lies in a solid.
+impl Meant {
+    /// Whether a tool at a height is at one of the levels, or above it by so little that it has not
+    /// left it.
+    pub fn is_at_level(&self, tip_m: f64) -> bool {
+        let above_m = |level: &f64| tip_m - level;
+        let mut above = self.levels_m.iter().map(above_m);
+        above.any(|above_m| (-SAME_DEPTH_M..MOST_SUNK_M).contains(&above_m))
+    }
+}
+
+/// Follows a path through stock with a cutter of this outline, whose ends cut or do not: a block,
+/// or what of it lies in a solid.
 ///
 /// # Errors
 /// The first thing that the cutter cannot do.
@@ -108,15 +126,20 @@ pub fn follow(
     block: Block,
     holes: &[Hole],
     solid: Option<&Solid>,
-    radius_m: f64,
+    profile: &Profile,
     grid_m: f64,
     ends_cut: bool,
 ) -> Result<Meant, WayFault> {
-    let mut depths = depths_m(legs);
+    let radius_m = profile.radius_m;
+    let levels_m = depths_m(legs);
+    let mut depths = levels_m.clone();
+    if !profile.is_flat() {
+        depths.extend(round::depths_m(&levels_m, profile, &block, grid_m));
+        sorted(&mut depths);
+    }
     if let Some(solid) = solid {
         depths.extend(solid.depths_m(grid_m));
-        depths.sort_by(f64::total_cmp);
-        depths.dedup_by(|a, b| (*a - *b).abs() <= SAME_DEPTH_M);
+        sorted(&mut depths);
     }
     let whole = |depths: &[f64]| {
         let mut stock = LayeredStock::new(block, holes, grid_m, depths);
@@ -128,18 +151,17 @@ pub fn follow(
     let mut stock = whole(&depths);
     let mut sinks = vec![false; legs.len()];
     if ends_cut {
-        sinks = sinking::sinking(legs, &mut stock, radius_m);
-        depths.extend(sinking::depths_m(legs, &sinks, &block, &stock));
-        depths.sort_by(f64::total_cmp);
-        depths.dedup_by(|a, b| (*a - *b).abs() <= SAME_DEPTH_M);
+        sinks = sinking::sinking(legs, &mut stock, profile);
+        depths.extend(sinking::depths_m(legs, &sinks, &block, &stock, profile));
+        sorted(&mut depths);
         stock = whole(&depths);
     }
-    let piece_m = sinking::piece_m(&stock);
+    let piece_m = sinking::piece_m(&stock, profile);
     let mut target = stock.clone();
     let mut cuts = false;
     if let Some(first) = legs.first() {
         let at = [first.from_m, first.from_m];
-        if target.cut_leg(at, radius_m, true) {
+        if target.cut_leg(at, profile, true) {
             return Err(WayFault::StartsInStock);
         }
     }
@@ -148,7 +170,7 @@ pub fn follow(
         if *sinks {
             check_air(leg, &block, radius_m)?;
             for piece in leg.pieces(piece_m) {
-                cuts |= target.cut_leg(piece, radius_m, false);
+                cuts |= target.cut_leg(piece, profile, false);
             }
             continue;
         }
@@ -156,8 +178,8 @@ pub fn follow(
             let at = |piece: usize| leg.from_m.lerp(&leg.to_m, piece as f64 / PIECES as f64);
             let pieces = if leg.is_level() { 1 } else { PIECES };
             let touches = match pieces {
-                1 => target.cut_leg(way, radius_m, true),
-                _ => (0..pieces).any(|k| target.cut_leg([at(k), at(k + 1)], radius_m, true)),
+                1 => target.cut_leg(way, profile, true),
+                _ => (0..pieces).any(|k| target.cut_leg([at(k), at(k + 1)], profile, true)),
             };
             if !touches {
                 continue;
@@ -174,16 +196,24 @@ pub fn follow(
             });
         }
         check_air(leg, &block, radius_m)?;
-        cuts |= target.cut_leg(way, radius_m, false);
+        cuts |= target.cut_leg(way, profile, false);
     }
     if !cuts {
         return Err(WayFault::Misses);
     }
-    let stations = stations(legs, &stock, &target, radius_m);
-    let does_sink = sinks.contains(&true);
-    let floor_m = does_sink.then(|| sinking::floor_m(legs, &sinks, &stock, radius_m));
+    let stations = stations(legs, &stock, &target, profile);
+    let (floor_m, floor_cos) = match (profile.is_flat(), sinks.contains(&true)) {
+        (true, false) => (None, None),
+        (true, true) => (Some(sinking::floor_m(legs, &sinks, &stock, radius_m)), None),
+        (false, _) => {
+            let (floor_m, floor_cos) = round::floor(legs, &sinks, &stock, profile);
+            (Some(floor_m), Some(floor_cos))
+        }
+    };
     Ok(Meant {
         floor_m,
+        floor_cos,
+        levels_m,
         stock,
         target,
         stations,
@@ -211,9 +241,14 @@ fn check_air(leg: &Leg, block: &Block, radius_m: f64) -> Result<(), WayFault> {
 fn depths_m(legs: &[Leg]) -> Vec<f64> {
     let level = legs.iter().filter(|leg| !leg.rapid && leg.is_level());
     let mut depths: Vec<f64> = level.map(|leg| leg.from_m.z).collect();
+    sorted(&mut depths);
+    depths
+}
+
+/// Heights in rising order, each once.
+fn sorted(depths: &mut Vec<f64>) {
     depths.sort_by(f64::total_cmp);
     depths.dedup_by(|a, b| (*a - *b).abs() <= SAME_DEPTH_M);
-    depths
 }
 
 /// Walls beside level feed: where the cutter's rim, across the path, ends what is cut.
@@ -221,8 +256,9 @@ fn stations(
     legs: &[Leg],
     stock: &LayeredStock,
     target: &LayeredStock,
-    radius_m: f64,
+    profile: &Profile,
 ) -> Vec<Station> {
+    let radius_m = profile.radius_m;
     let whole_m: f64 = legs.iter().map(Leg::length_m).sum();
     let grid_m = stock.grid_m();
     let spacing_m = grid_m.max(whole_m / MOST_STATIONS);
@@ -241,7 +277,12 @@ fn stations(
                 let from_m = leg.from_m.xy() + along * way_m;
                 for (side, outward) in [(Side::Left, left), (Side::Right, -left)] {
                     let wall_m = from_m + outward * radius_m;
-                    let layers = stock.cut_by(leg.from_m.z);
+                    // Upright walls: a round corner's are floors.
+                    let upright_m = leg.from_m.z + profile.corner_radius_m - SAME_DEPTH_M;
+                    let is_wall = |layer: &usize| {
+                        profile.is_flat() || stock.layers()[*layer].bottom_m >= upright_m
+                    };
+                    let layers = stock.taken_by(leg.from_m.z, profile).filter(is_wall);
                     found.extend(layers.filter_map(|layer| {
                         let behind_m = wall_m + outward * grid_m;
                         // In a corner the other leg takes more: by no more than the grid's own

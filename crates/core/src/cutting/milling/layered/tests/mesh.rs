@@ -88,7 +88,16 @@ fn regress_a_box_as_a_mesh_is_cut_as_the_block_is() {
     let solid = Solid::new(body(&[(-10e-3, corners.clone()), (0.0, corners)])).unwrap();
     let way = legs(&[[-8.0, 17.0], [30.0, 17.0], [30.0, 60.0]], -depth);
     let block = solid.block(grid_m);
-    let of_mesh = follow(&way, block, &[], Some(&solid), r, grid_m, false).unwrap();
+    let of_mesh = follow(
+        &way,
+        block,
+        &[],
+        Some(&solid),
+        &Profile::flat(r),
+        grid_m,
+        false,
+    )
+    .unwrap();
     let of_block = meant(&way, &[], r, grid_m);
     super::solid::check(&of_mesh.target);
     let removed = |one: &Meant| one.stock.volume_m3() - one.target.volume_m3();
@@ -119,7 +128,16 @@ fn verify_a_plunge_beside_a_step_begins_at_the_lower_face() {
         point: 1,
     }];
     let block = solid.block(0.3e-3);
-    let meant = follow(&way, block, &[], Some(&solid), 4e-3, 0.3e-3, true).unwrap();
+    let meant = follow(
+        &way,
+        block,
+        &[],
+        Some(&solid),
+        &Profile::flat(4e-3),
+        0.3e-3,
+        true,
+    )
+    .unwrap();
     let cutter = sinking::centre_cutting(4e-3, 2);
     let walls = Walls::new(Vec::new(), cutter.radius_m);
     let cut = LayeredCut::new(cutter, aluminium(), meant.stock, walls, at(2e-3));

@@ -4,7 +4,7 @@ use super::*;
 use crate::cutting::chamfer::CuttingCoefficients;
 
 /// Legs through points in space, mm.
-fn through(points_mm: &[[f64; 3]]) -> Vec<Leg> {
+pub(super) fn through(points_mm: &[[f64; 3]]) -> Vec<Leg> {
     let at = |p: &[f64; 3]| Vector3::from(*p) * 1e-3;
     let pairs = points_mm.windows(2).enumerate();
     let leg = |(k, pair): (usize, &[[f64; 3]])| Leg {
@@ -17,7 +17,16 @@ fn through(points_mm: &[[f64; 3]]) -> Vec<Leg> {
 }
 
 fn sinking(way: &[Leg], holes: &[Hole], radius_m: f64, grid_m: f64) -> Meant {
-    follow(way, BLOCK, holes, None, radius_m, grid_m, true).unwrap()
+    follow(
+        way,
+        BLOCK,
+        holes,
+        None,
+        &Profile::flat(radius_m),
+        grid_m,
+        true,
+    )
+    .unwrap()
 }
 
 pub(super) fn centre_cutting(radius_m: f64, teeth: usize) -> Cutter {
@@ -216,7 +225,16 @@ fn verify_volume_of_a_hole_by_helix() {
 fn ends_do_not_cut_on_a_level_path() {
     let way = legs(&[[-8.0, 20.0], [12.0, 20.0]], -2.0);
     let [plain, other] = [false, true].map(|ends_cut| {
-        let meant = follow(&way, BLOCK, &[], None, 4e-3, 0.3e-3, ends_cut).unwrap();
+        let meant = follow(
+            &way,
+            BLOCK,
+            &[],
+            None,
+            &Profile::flat(4e-3),
+            0.3e-3,
+            ends_cut,
+        )
+        .unwrap();
         let cutter = Cutter {
             centre_cutting: ends_cut,
             ..Cutter::straight(4e-3, 2)

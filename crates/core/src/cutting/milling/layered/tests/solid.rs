@@ -128,7 +128,11 @@ fn drawn_stock_is_left_as_a_solid() {
         let depths: Vec<f64> = way.iter().map(|leg| leg.from_m.z).collect();
         let mut stock = LayeredStock::new(BLOCK, &[hole], grid_mm * 1e-3, &depths);
         for leg in &way {
-            stock.cut_leg([leg.from_m, leg.to_m], radius_mm * 1e-3, false);
+            stock.cut_leg(
+                [leg.from_m, leg.to_m],
+                &Profile::flat(radius_mm * 1e-3),
+                false,
+            );
         }
         check(&stock);
         check_shapes(&stock);
@@ -170,7 +174,11 @@ fn verify_volume_of_a_solid_with_a_slot() {
         let (r, y, depth) = (draw(2.0, 6.0), draw(12.0, 28.0), draw(0.5, 9.0));
         let leg = legs(&[[-10.0, y], [60.0, y]], -depth);
         let mut stock = LayeredStock::new(BLOCK, &[], 0.3e-3, &[-depth * 1e-3]);
-        stock.cut_leg([leg[0].from_m, leg[0].to_m], r * 1e-3, false);
+        stock.cut_leg(
+            [leg[0].from_m, leg[0].to_m],
+            &Profile::flat(r * 1e-3),
+            false,
+        );
         check(&stock);
         let exact_m3 = BLOCK.volume_m3() - 2.0 * r * depth * 50e-9;
         // Two walls, each off by half a step of a hundred thousandth of the diagonal.
