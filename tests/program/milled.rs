@@ -193,8 +193,9 @@ fn a_plunge_has_the_thrust_of_its_ends() {
     part_without_defects(&desk, "plunge");
 }
 
-/// A ball of 12 mm, 2 mm deep into the plate from its side up to its middle, out of it on a slope: the
-/// slot's section times its length with half a cap, and a groove; limits of balls are not known.
+/// A ball of 12 mm, 2 mm deep into the plate from its side up to its middle, out of it on a slope:
+/// the slot's section times its length with half a cap, and a groove; limits of balls are not
+/// known.
 #[test]
 fn a_ball_leaves_its_groove_and_has_no_limits() {
     let desk = Desk::new();
@@ -228,7 +229,7 @@ fn a_ball_leaves_its_groove_and_has_no_limits() {
     let [removed, target] =
         ["stock_removed", "target_removed"].map(|name| found(&summary, name).unwrap());
     assert!((removed / target - 1.0).abs() < 0.01, "{removed} {target}");
-    assert!(target > 1.2 * exact_m3);
+    assert!(target > exact_m3, "{target} {exact_m3}");
     part_without_defects(&desk, "slope");
 }
 

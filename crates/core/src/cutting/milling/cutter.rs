@@ -44,8 +44,8 @@ impl Cutter {
     }
 
     /// # Errors
-    /// If the cutter has no teeth, a radius that is not positive, a corner radius beyond it, a helix
-    /// beyond 1.4 rad or more runout than half its radius.
+    /// If the cutter has no teeth, a radius that is not positive, a corner radius beyond it, a
+    /// helix beyond 1.4 rad or more runout than half its radius.
     pub fn check(&self) -> Result<(), MillingError> {
         if self.teeth == 0 {
             return Err(MillingError::NoTeeth);

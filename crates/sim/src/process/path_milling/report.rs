@@ -279,8 +279,8 @@ fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
     left.collect()
 }
 
-/// The same under a cutter with a round corner, along the normal of what the path as written leaves,
-/// where that is no steeper than 60 degrees.
+/// The same under a cutter with a round corner, along the normal of what the path as written
+/// leaves, where that is no steeper than 60 degrees.
 fn round_left_m(milling: &PathMilling, cos: &[f64]) -> Vec<f64> {
     const STEEPEST: f64 = 0.5;
     let meant = &milling.setup.meant;

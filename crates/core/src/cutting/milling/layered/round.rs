@@ -102,8 +102,8 @@ impl LayeredCut {
         })
     }
 
-    /// Whether an earlier tooth on a radius cannot have come by a ray from the axis of now: the axis
-    /// stood further aside than it reached.
+    /// Whether an earlier tooth on a radius cannot have come by a ray from the axis of now: the
+    /// axis stood further aside than it reached.
     pub(super) fn misses(
         &self,
         off_m: &Vector2<f64>,
@@ -115,8 +115,9 @@ impl LayeredCut {
         !self.cutter.is_flat() && beside_m - passes.speed_m_per_rad * FRAC_PI_2 > radius_m
     }
 
-    /// How much further out than a piece an edge stands at the middle of its layer, m, by the height of
-    /// which the layer's outline is told: as much further out that is of this edge and of earlier ones.
+    /// How much further out than a piece an edge stands at the middle of its layer, m, by the
+    /// height of which the layer's outline is told: as much further out that is of this edge and of
+    /// earlier ones.
     pub(super) fn to_middle_m(&self, layer: usize, piece: &Piece, tip_m: f64) -> f64 {
         let profile = self.cutter.profile();
         let middle_m = self.stock().layers()[layer].middle_m() - tip_m;
@@ -126,8 +127,8 @@ impl LayeredCut {
         }
     }
 
-    /// How much thicker than by its way in the plane a chip can be at a piece of an edge, m: by what
-    /// the axis has sunk.
+    /// How much thicker than by its way in the plane a chip can be at a piece of an edge, m: by
+    /// what the axis has sunk.
     pub(super) fn sunk_chip_m(&self, piece: &Piece, at: &ToolPlace, passes: &Passes) -> f64 {
         match self.cutter.is_flat() {
             true => 0.0,
@@ -137,8 +138,8 @@ impl LayeredCut {
 }
 
 impl LayeredStock {
-    /// Layers that a cutter with its tip at a height takes: a flat one those that it cuts fully, one
-    /// with a round corner those whose middle it reaches.
+    /// Layers that a cutter with its tip at a height takes: a flat one those that it cuts fully,
+    /// one with a round corner those whose middle it reaches.
     pub fn taken_by(&self, tip_m: f64, profile: &Profile) -> Range<usize> {
         if profile.is_flat() {
             return self.cut_by(tip_m);
@@ -147,8 +148,8 @@ impl LayeredStock {
         uncut..self.layers().len()
     }
 
-    /// Layers that an edge reaches which a round corner leads down to the tip, from the lowest, with
-    /// the heights between which it does.
+    /// Layers that an edge reaches which a round corner leads down to the tip, from the lowest,
+    /// with the heights between which it does.
     pub(super) fn reached(&self, tip_m: f64) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
         let first = self.layers().partition_point(|one| one.top_m <= tip_m);
         (first..self.layers().len()).map(move |layer| {
