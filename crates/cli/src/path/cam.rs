@@ -12,7 +12,8 @@ use truecut_plan::program::{
     maker_note, read_text,
 };
 
-use super::cam_files::{Planned, record, table};
+use super::cam_files::{Planned, record, seen, table};
+use super::cam_page;
 use super::files::UNWRITTEN;
 use crate::args::{CamArguments, PathArguments};
 use crate::clearance::Checked;
@@ -72,7 +73,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         point_name: &name,
         acceleration_m_per_s2: cam.acceleration_m_per_s2,
     };
-    let written = write(arguments, dialect, &settings, &planned, run.holds())?;
+    let written = write(arguments, dialect, &settings, &planned, &run)?;
     let status = run_through(&run)?;
     if !run.holds() {
         crate::print(UNWRITTEN)?;
@@ -263,7 +264,7 @@ fn write(
     dialect: &dyn Dialect,
     settings: &Settings,
     planned: &Planned<'_>,
-    holds: bool,
+    run: &RunThrough<'_>,
 ) -> Result<Vec<PathBuf>, Failure> {
     let (robot, read, program) = (planned.robot, planned.read, planned.program);
     let stem = truecut_files::folder_name(&arguments.file, "path");
@@ -272,7 +273,8 @@ fn write(
     let files = dialect
         .write(program, robot, settings)
         .map_err(|error| unwritten(&arguments.file, read, &error))?;
-    let (points, recording) = (folder.join("path.csv"), folder.join("path.rrd"));
+    let [points, recording, html] =
+        ["path.csv", "path.rrd", "path.html"].map(|one| folder.join(one));
     let slides_mm = arguments.cam.slide_mm.as_deref().unwrap_or_default();
     let slides_m: Vec<f64> = slides_mm.iter().map(|mm| mm * 1e-3).collect();
     let table = table(read, program, robot, &slides_m);
@@ -280,9 +282,12 @@ fn write(
         &points,
         &table.map_err(|error| Failure::at(&points, error))?,
     )?;
-    record(planned, &recording)?;
-    let mut written = vec![points, recording];
-    written.extend(super::files::programs(&folder, files, holds)?);
+    let seen = seen(planned);
+    record(program, &seen, &recording)?;
+    let page = cam_page::page(planned, &seen, run);
+    write_file(&html, page.html().as_bytes())?;
+    let mut written = vec![points, recording, html];
+    written.extend(super::files::programs(&folder, files, run.holds())?);
     Ok(written)
 }
 
