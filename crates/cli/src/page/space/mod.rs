@@ -190,7 +190,7 @@ impl Space {
             .max(1);
         self.lines.extend(drawn.iter().map(|line| {
             let last = line.len() - 1;
-            let kept = |k: &usize| k % every == 0 || *k == last;
+            let kept = |k: &usize| k.is_multiple_of(every) || *k == last;
             Line {
                 group,
                 body: None,
