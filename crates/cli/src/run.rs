@@ -1,5 +1,6 @@
 //! `truecut run`: runs scenarios, judges their claims, writes recordings.
 
+mod maps;
 mod report;
 
 use std::process::ExitCode;
@@ -102,7 +103,8 @@ fn run_one(
     if let Some(part) = &finished.part {
         outputs.write_part(part)?;
     }
-    outputs.write_report(&report::html(scenario, &finished, &outputs.rows()?)?)?;
+    let html = report::html(scenario, &finished, &outputs.rows()?, &outputs.shown())?;
+    outputs.write_report(&html)?;
     outputs.finish(&finished.recording, &finished.claims)?;
     let status = ExitStatus::of_run(&finished.recording.outcome, &finished.claims);
     Ok((printed(scenario, &finished, &outputs), status))

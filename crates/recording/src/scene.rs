@@ -27,6 +27,24 @@ impl Pose {
             ..Pose::IDENTITY
         }
     }
+
+    /// A point of the frame, m, where it is in the other: v + 2 w (q × v) + 2 q × (q × v), and the
+    /// frame's origin.
+    #[must_use]
+    pub fn place(&self, point_m: &[f64; 3]) -> [f64; 3] {
+        let [i, j, k, w] = self.rotation_xyzw;
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [
+                a[1] * b[2] - a[2] * b[1],
+                a[2] * b[0] - a[0] * b[2],
+                a[0] * b[1] - a[1] * b[0],
+            ]
+        };
+        let (q, v) = ([i, j, k], *point_m);
+        let once = cross(q, v);
+        let twice = cross(q, once);
+        std::array::from_fn(|n| self.translation_m[n] + v[n] + 2.0 * (w * once[n] + twice[n]))
+    }
 }
 
 impl Default for Pose {
@@ -137,6 +155,31 @@ pub struct Field {
     /// where they do.
     #[serde(default)]
     pub vertices_m: Vec<[f64; 3]>,
+}
+
+impl Field {
+    /// Middles of the cells in the world, m, x first.
+    #[must_use]
+    pub fn places_m(&self) -> Vec<[f64; 3]> {
+        let at = &self.world_from_field;
+        if !self.vertices_m.is_empty() {
+            return self.vertices_m.iter().map(|p| at.place(p)).collect();
+        }
+        let [columns, rows] = self.cells;
+        let side = [0, 1].map(|k| self.size_m[k] / self.cells[k] as f64);
+        let middle = |k: usize| {
+            let (x, y) = ((k % columns) as f64 + 0.5, (k / columns) as f64 + 0.5);
+            at.place(&[x * side[0], y * side[1], 0.0])
+        };
+        (0..columns * rows).map(middle).collect()
+    }
+
+    /// The last part of its name in the scene.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        let last = self.path.rsplit('/').next();
+        last.unwrap_or(&self.path)
+    }
 }
 
 /// Where a person should look from, and at what.

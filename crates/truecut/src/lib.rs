@@ -344,6 +344,7 @@ pub mod outputs;
 mod parts;
 mod predictions;
 mod rows;
+mod shown;
 mod staged;
 
 pub use truecut_arm as arm;
@@ -359,6 +360,7 @@ pub use journal::SweepOutputs;
 pub use outputs::Outputs;
 pub use parts::{Made, SweepParts};
 pub use predictions::KeptModel;
+pub use shown::Shown;
 pub use staged::Staged;
 pub use truecut_scenario::Scenario;
 pub use truecut_sim::run::{Claims, Engine, Finished, Keep, Run, RunError, Runs};

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use truecut_recording::{Chunk, ClaimResult, Field, Header, Pose, Recording, Sink, SinkError};
+use truecut_recording::{Chunk, ClaimResult, Field, Header, Recording, Sink, SinkError};
 use truecut_telemetry::{Column, write_columns};
 
 use crate::outputs::write_file;
@@ -35,8 +35,8 @@ impl MapSink {
     }
 
     fn write(&self, field: &Field) -> Result<(), SinkError> {
-        let name = column_name(field);
-        let places = places_m(field);
+        let name = field.name().to_owned();
+        let places = field.places_m();
         let values: Vec<f64> = self.values.iter().map(|value| f64::from(*value)).collect();
         let [text, table, mesh] = &self.files;
         let bytes = csv(&name, field, &places, &values);
@@ -82,43 +82,6 @@ impl Sink for MapSink {
 
 fn failed(path: &Path, error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> SinkError {
     SinkError::new(path.display().to_string(), "write", error)
-}
-
-/// The last part of the field's name.
-fn column_name(field: &Field) -> String {
-    let last = field.path.rsplit('/').next();
-    last.unwrap_or(&field.path).to_owned()
-}
-
-/// Middles of the cells in the world, x first.
-fn places_m(field: &Field) -> Vec<[f64; 3]> {
-    let at = &field.world_from_field;
-    if !field.vertices_m.is_empty() {
-        return field.vertices_m.iter().map(|p| placed(at, p)).collect();
-    }
-    let [columns, rows] = field.cells;
-    let side = [0, 1].map(|k| field.size_m[k] / field.cells[k] as f64);
-    let middle = |k: usize| {
-        let (x, y) = ((k % columns) as f64 + 0.5, (k / columns) as f64 + 0.5);
-        placed(at, &[x * side[0], y * side[1], 0.0])
-    };
-    (0..columns * rows).map(middle).collect()
-}
-
-/// A point of a frame in the world: v + 2 w (q × v) + 2 q × (q × v), and the frame's place.
-fn placed(at: &Pose, [x, y, z]: &[f64; 3]) -> [f64; 3] {
-    let [i, j, k, w] = at.rotation_xyzw;
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    };
-    let (q, v) = ([i, j, k], [*x, *y, *z]);
-    let once = cross(q, v);
-    let twice = cross(q, once);
-    std::array::from_fn(|n| at.translation_m[n] + v[n] + 2.0 * (w * once[n] + twice[n]))
 }
 
 fn csv(
@@ -190,7 +153,7 @@ fn ply(name: &str, field: &Field, places: &[[f64; 3]], values: &[f64]) -> String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use truecut_recording::{Frame, Outcome, Unit};
+    use truecut_recording::{Frame, Outcome, Pose, Unit};
 
     /// A field of 3 by 2 cells, turned by 90° about z and moved.
     fn field() -> Field {

@@ -4,6 +4,7 @@
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use truecut_files::{room_bytes, write_whole};
 use truecut_recording::{Chunk, ClaimResult, PartMesh, Recording, Sink, SinkError, Summary};
@@ -16,6 +17,7 @@ use truecut_telemetry::{
 };
 
 use crate::maps::{MAP_MESH, MAP_TABLE, MAP_TEXT, MapSink};
+use crate::shown::{Shown, ShownSink};
 use crate::staged::Staged;
 
 /// The files of one scenario, in a folder named like it. They get their places together, by
@@ -41,6 +43,7 @@ use crate::staged::Staged;
 pub struct Outputs {
     files: Staged,
     rrd: bool,
+    shown: Arc<Mutex<Shown>>,
 }
 
 const RECORDING: &str = "recording.parquet";
@@ -67,7 +70,11 @@ impl Outputs {
     /// writing.
     pub fn prepare(out: &Path, scenario: &Scenario, rrd: bool) -> Result<Outputs, FileError> {
         let files = Staged::begin(&out.join(scenario.stem()))?;
-        Ok(Outputs { files, rrd })
+        Ok(Outputs {
+            files,
+            rrd,
+            shown: Arc::default(),
+        })
     }
 
     /// A file of the folder.
@@ -106,6 +113,7 @@ impl Outputs {
             Box::new(IpcSink::new(self.path(STREAM))),
             Box::new(ParquetSink::new(self.files.path(RECORDING))),
             Box::new(MapSink::new(|name| self.files.path(name))),
+            Box::new(ShownSink::new(Arc::clone(&self.shown))),
         ];
         if self.rrd {
             sinks.push(Box::new(RrdSink::new(self.files.path(VIEWER))));
@@ -185,6 +193,12 @@ impl Outputs {
     /// A Parquet file that cannot be read: none of [`Outputs::sinks`] was closed.
     pub fn rows(&self) -> Result<StoredRows, FileError> {
         StoredRows::open(&self.files.path(RECORDING))
+    }
+
+    /// What was seen of a run whose sinks have taken it, for its page.
+    pub fn shown(&self) -> Shown {
+        let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        shown.clone()
     }
 
     /// Writes `run.html`.

@@ -2,10 +2,12 @@
 
 mod axis;
 mod charts;
+mod colour;
 mod draw;
 
 pub use axis::Scale;
 pub use charts::charts_of;
+pub use colour::ColourScale;
 
 use std::fmt;
 
@@ -44,6 +46,10 @@ pub struct Panel {
     pub y_scale: Scale,
     /// Drawn in this order, later ones on top.
     pub layers: Vec<Layer>,
+    /// What the shades of its cells mean, on a page.
+    pub scale: Option<ColourScale>,
+    /// Both axes are of one scale, on a page, as far as it has room.
+    pub even: bool,
 }
 
 /// One set of points.
@@ -104,6 +110,11 @@ impl Panel {
             layers,
             ..Panel::default()
         }
+    }
+
+    /// With axes of one scale, on a page.
+    pub fn evenly(self) -> Panel {
+        Panel { even: true, ..self }
     }
 
     /// With a logarithmic vertical axis.

@@ -8,7 +8,7 @@
     ink: '#b8c0c8', grid: '#323940', paper: [21, 24, 28],
     colours: ['#3c96ff', '#f28e2b', '#28be8c', '#e18cbe', '#e6c200', '#7fd0ff', '#ebebeb']
   };
-  var dark = window.matchMedia('(prefers-color-scheme: dark)');
+  var dark = truecutColours.dark;
   var printing = false;
   var HEIGHT = 340;
 
@@ -119,12 +119,15 @@
     return best;
   }
 
-  function shade(value, paper) {
-    var end = value < 0 ? [213, 94, 0] : [0, 114, 178];
-    var share = 0.75 * Math.min(1, Math.abs(value));
-    return 'rgb(' + end.map(function (c, k) {
-      return Math.round(paper[k] + share * (c - paper[k]));
-    }).join(',') + ')';
+  // Of a shade of cells: −1 to 1 about nothing, else 0 to 1.
+  function shade(value, scale, paper) {
+    var share = scale && !scale.diverging ? value : (value + 1) / 2;
+    return 'rgb(' + truecutColours.at(scale, share, paper).join(',') + ')';
+  }
+
+  // What a shade stands for.
+  function meant(value, scale) {
+    return scale.low + (scale.diverging ? (value + 1) / 2 : value) * (scale.high - scale.low);
   }
 
   function paint(u, layer, panel) {
@@ -203,7 +206,7 @@
         if (layer.shade[i] === null || layer.x[i] === null || layer.y[i] === null) { continue; }
         x = px(layer.x[i] - layer.size[0] / 2); w = px(layer.x[i] + layer.size[0] / 2) - x;
         y = py(layer.y[i] + layer.size[1] / 2); h = py(layer.y[i] - layer.size[1] / 2) - y;
-        ctx.fillStyle = shade(layer.shade[i], look.paper);
+        ctx.fillStyle = shade(layer.shade[i], panel.scale, look.paper);
         ctx.fillRect(x - 0.5, y - 0.5, w + 1, h + 1);
       }
     }
@@ -274,11 +277,23 @@
       var left = u.cursor.left, top = u.cursor.top, place = '';
       panel.layers.forEach(function (layer) {
         var at = left >= 0 && !layer.hidden && layer.told ? nearest(u, layer, left, top) : -1;
-        if (layer.told) { layer.told.textContent = at < 0 ? '' : ': ' + shown(layer.y[at]); }
-        if (at >= 0) { place = panel.x.label + ' ' + shown(layer.x[at]); }
+        if (layer.told) {
+          layer.told.textContent = at < 0 ? '' : ': ' + shown(panel.scale && layer.shade ? meant(layer.shade[at], panel.scale) : layer.y[at]);
+        }
+        if (at >= 0) {
+          place = panel.x.label + ' ' + shown(layer.x[at]);
+          if (panel.scale) { place += ', ' + panel.y.label + ' ' + shown(layer.y[at]); }
+        }
       });
       panel.told.textContent = place;
     };
+  }
+
+  // A view in one scale is as high as it is beside its width, within what a page bears.
+  function height(panel, full, width) {
+    if (!panel.even) { return HEIGHT; }
+    var ratio = (full.y[1] - full.y[0]) / (full.x[1] - full.x[0]);
+    return Math.round(Math.max(180, Math.min(640, 60 + ratio * (width - 90))));
   }
 
   function plot(panel, box, width) {
@@ -296,7 +311,7 @@
       };
     };
     u = new uPlot({
-      width: width, height: HEIGHT, legend: { show: false },
+      width: width, height: height(panel, full, width), legend: { show: false },
       cursor: { drag: { x: true, y: true, uni: 20 }, points: { show: false } },
       scales: { x: scale('x'), y: scale('y') },
       axes: [axis('x', 44), axis('y', 72)],
@@ -323,6 +338,7 @@
         panel.layers.forEach(function (layer) { layer.rising = rising(layer.x); });
       }
       head = legend(panel, function () { u.redraw(); });
+      if (panel.scale) { head.append(truecutColours.bar(panel.scale, theme().paper)); }
       box.append(head);
       u = plot(panel, box, width);
       plots.push({ u: u, head: head, box: box });
@@ -337,7 +353,7 @@
   window.addEventListener('resize', function () {
     plots.forEach(function (one) {
       var width = Math.max(280, one.box.clientWidth);
-      if (width !== one.u.width) { one.u.setSize({ width: width, height: HEIGHT }); }
+      if (width !== one.u.width) { one.u.setSize({ width: width, height: one.u.height }); }
     });
   });
 }());

@@ -3,25 +3,31 @@
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
-use crate::figure::{Figure, Layer, Panel, Scale, Style, thinned};
+use crate::figure::{ColourScale, Figure, Layer, Panel, Scale, Style, thinned};
 
 /// Most points of a curve.
 pub const POINTS: usize = 20_000;
-/// Most points of all curves of a page, so that it stays below 3 MB: two numbers a point of at
-/// most 13 characters each.
-const POINTS_OF_A_PAGE: usize = 100_000;
+/// What a page may have for figures and scenes, so that it stays below 3 MB with styles, script
+/// and tables.
+const BYTES_OF_A_PAGE: usize = 2_700_000;
+/// Of a point: two numbers of at most 13 characters each.
+const BYTES_OF_A_POINT: usize = 26;
 /// What a curve has in any case.
 const FEWEST: usize = 200;
 
-/// How many points each curve of these figures may have.
-pub fn most_points<'a>(figures: impl Iterator<Item = &'a Figure>) -> usize {
+/// How many points each curve of these figures may have, on a page that has so many bytes beside
+/// them.
+pub fn most_points<'a>(figures: impl Iterator<Item = &'a Figure>, beside: usize) -> usize {
     let panels = figures.flat_map(|figure| &figure.panels);
     let mut sizes: Vec<usize> = panels
         .flat_map(|panel| panel.layers.iter().map(|layer| layer.points.len()))
         .collect();
     sizes.sort_unstable();
     // Short curves leave to the long ones what they do not need.
-    let (mut left, mut curves) = (POINTS_OF_A_PAGE, sizes.len());
+    let (mut left, mut curves) = (
+        BYTES_OF_A_PAGE.saturating_sub(beside) / BYTES_OF_A_POINT,
+        sizes.len(),
+    );
     for size in sizes {
         let share = left / curves;
         if size > share {
@@ -48,7 +54,6 @@ pub fn markup(figure: &Figure, most: usize) -> Markup {
     }
 }
 
-/// JSON in which nothing can end the element that it stands in.
 fn json(panel: &Panel, most: usize) -> String {
     let data = PanelData {
         x: AxisData::of(&panel.x_label, panel.x_scale),
@@ -56,9 +61,16 @@ fn json(panel: &Panel, most: usize) -> String {
         layers: (panel.layers.iter())
             .map(|layer| LayerData::of(layer, most))
             .collect(),
+        scale: panel.scale.as_ref(),
+        even: panel.even,
     };
+    safe_json(&data)
+}
+
+/// JSON in which nothing can end the element that it stands in.
+pub(super) fn safe_json(data: &impl Serialize) -> String {
     // Numbers and texts: there is nothing that cannot be written.
-    let text = serde_json::to_string(&data).unwrap_or_default();
+    let text = serde_json::to_string(data).unwrap_or_default();
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {
@@ -71,7 +83,7 @@ fn json(panel: &Panel, most: usize) -> String {
     safe
 }
 
-/// Cells that have a shade, in hundredths: an eye sees fewer.
+/// Cells that have a shade, in thousandths: an eye sees fewer.
 fn drawn_cells<'a>(
     layer: &'a Layer,
     shades: &'a [f64],
@@ -79,7 +91,7 @@ fn drawn_cells<'a>(
     let cells = layer.points.iter().copied().zip(shades);
     cells
         .filter(|(_, shade)| shade.is_finite())
-        .map(|(point, shade)| (point, ((100.0 * shade).round() / 100.0) as f32))
+        .map(|(point, shade)| (point, ((1000.0 * shade).round() / 1000.0) as f32))
 }
 
 #[derive(Serialize)]
@@ -87,6 +99,14 @@ struct PanelData<'a> {
     x: AxisData<'a>,
     y: AxisData<'a>,
     layers: Vec<LayerData<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scale: Option<&'a ColourScale>,
+    #[serde(skip_serializing_if = "is_uneven")]
+    even: bool,
+}
+
+fn is_uneven(even: &bool) -> bool {
+    !even
 }
 
 #[derive(Serialize)]

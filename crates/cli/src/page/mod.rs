@@ -6,6 +6,7 @@
 
 mod figures;
 mod parts;
+mod space;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
@@ -15,7 +16,8 @@ use sha2::{Digest, Sha256};
 use crate::figure::Figure;
 
 pub use figures::POINTS as MOST_POINTS;
-pub use parts::{cells, claims, notes, repeat, reproduce, scalars, table};
+pub use parts::{called, cells, claims, notes, repeat, reproduce, scalars, table};
+pub use space::Space;
 
 /// Name of the file, in a command's folder.
 pub const REPORT: &str = "report.html";
@@ -29,7 +31,9 @@ const SCRIPT: &str = concat!(
     include_str!("uplot/LICENSE"),
     "*/\n",
     include_str!("uplot/uPlot.iife.min.js"),
-    include_str!("draw.js")
+    include_str!("colours.js"),
+    include_str!("draw.js"),
+    include_str!("space/space.js")
 );
 
 /// What a report says, in its order.
@@ -90,9 +94,28 @@ impl Page {
         self.body.extend(figures.map(Block::Figure));
     }
 
+    /// Something to be looked at from all sides, under a heading; nothing where there is none.
+    pub fn space(&mut self, heading: &str, space: Space) {
+        if space.is_empty() {
+            return;
+        }
+        self.text(html! {
+            h2 { (heading) }
+            p.hint {
+                "Drag to turn, with Shift to move; after a click the wheel, + and − come nearer. A name below shows or hides."
+            }
+        });
+        self.text(space.markup());
+    }
+
     /// The page as HTML.
     pub fn html(&self) -> String {
-        let most = figures::most_points(self.body.iter().filter_map(Block::figure));
+        let text = |block: &Block| match block {
+            Block::Text(markup) => markup.0.len(),
+            Block::Figure(_) => 0,
+        };
+        let beside = self.body.iter().map(text).sum();
+        let most = figures::most_points(self.body.iter().filter_map(Block::figure), beside);
         let page = html! {
             (DOCTYPE)
             html lang="en" {
@@ -147,6 +170,7 @@ fn policy() -> String {
 mod tests {
     use super::*;
     use crate::figure::{Layer, Legend, Panel};
+    use truecut_recording::Scene;
 
     const NAME: &str = "</script><script>alert(1)</script>";
 
@@ -166,6 +190,9 @@ mod tests {
         page.text(repeat(NAME, NAME));
         page.told(&format!("{NAME}\n  note: {NAME}"));
         page.figures(NAME, [figure]);
+        let mut space = Space::of_scene(NAME, &Scene::default(), &[]);
+        space.lines(NAME, [0; 3], vec![vec![[0.0; 3], [1.0; 3]]]);
+        page.space(NAME, space);
         page.html()
     }
 
@@ -173,9 +200,9 @@ mod tests {
     fn names_cannot_leave_their_place() {
         let html = page(50);
         assert!(!html.contains("<script>alert"), "{html}");
-        // One script with code, one block of data.
-        assert_eq!(html.matches("<script").count(), 2);
-        assert_eq!(html.matches("</script>").count(), 2);
+        // One script with code, two blocks of data.
+        assert_eq!(html.matches("<script").count(), 3);
+        assert_eq!(html.matches("</script>").count(), 3);
         assert!(!html.contains("http://") && html.contains("default-src 'none'"));
     }
 

@@ -77,10 +77,39 @@ pub fn reproduce(call: &str, scenario: &Scenario) -> Markup {
     }
 }
 
+/// The call as it was made, of a command whose options say all.
+pub fn called() -> Markup {
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| quoted(&word.to_string_lossy()));
+    repeat("truecut", &words.collect::<Vec<_>>().join(" "))
+}
+
+/// A word as a shell takes it for one.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', r"'\''")),
+    }
+}
+
 /// The call alone.
 pub fn repeat(call: &str, name: &str) -> Markup {
     html! {
         h2 { "How to reproduce" }
         p { code { (call) " " (name) } ", version " (env!("CARGO_PKG_VERSION")) "." }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_stay_words_in_a_shell() {
+        assert_eq!(quoted("--work-xyz-mm=1,2,-3.5"), "--work-xyz-mm=1,2,-3.5");
+        assert_eq!(quoted("my part.nc"), "'my part.nc'");
+        assert_eq!(quoted("it's $(x)"), r"'it'\''s $(x)'");
+        assert_eq!(quoted(""), "''");
     }
 }

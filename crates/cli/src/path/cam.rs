@@ -12,7 +12,8 @@ use truecut_plan::program::{
     maker_note, read_text,
 };
 
-use super::cam_files::{Planned, record, table};
+use super::cam_files::{Planned, record, seen, table};
+use super::cam_page;
 use super::files::UNWRITTEN;
 use crate::args::{CamArguments, PathArguments};
 use crate::clearance::Checked;
@@ -124,7 +125,7 @@ impl BeforeArm<'_> {
             point_name: &name,
             acceleration_m_per_s2: arguments.cam.acceleration_m_per_s2,
         };
-        let written = self.write(arguments, dialect, settings, &planned, run.holds())?;
+        let written = self.write(arguments, dialect, settings, &planned, &run)?;
         let status = run_through(&run)?;
         if !run.holds() {
             crate::print(UNWRITTEN)?;
@@ -193,7 +194,7 @@ impl BeforeArm<'_> {
         dialect: &dyn Dialect,
         settings: &Settings,
         planned: &Planned<'_>,
-        holds: bool,
+        run: &RunThrough<'_>,
     ) -> Result<Vec<PathBuf>, Failure> {
         let (robot, program) = (planned.robot, planned.program);
         let stem = truecut_files::folder_name(&arguments.file, "path");
@@ -202,15 +203,19 @@ impl BeforeArm<'_> {
         let files = dialect
             .write(program, robot, settings)
             .map_err(|error| self.unwritten(&arguments.file, &error))?;
-        let (points, recording) = (folder.join("path.csv"), folder.join("path.rrd"));
+        let [points, recording, html] =
+            ["path.csv", "path.rrd", "path.html"].map(|one| folder.join(one));
         let table = table(planned, self.line_word, &self.slides_m);
         write_file(
             &points,
             &table.map_err(|error| Failure::at(&points, error))?,
         )?;
-        record(planned, &recording)?;
-        let mut written = vec![points, recording];
-        written.extend(super::files::programs(&folder, files, holds)?);
+        let seen = seen(planned);
+        record(program, &seen, &recording)?;
+        let page = cam_page::page(planned, &seen, run);
+        write_file(&html, page.html().as_bytes())?;
+        let mut written = vec![points, recording, html];
+        written.extend(super::files::programs(&folder, files, run.holds())?);
         Ok(written)
     }
 }

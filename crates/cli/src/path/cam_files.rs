@@ -6,7 +6,7 @@ use truecut_arm::Robot;
 use truecut_plan::cam::CamPath;
 use truecut_plan::program::{Motion, Program, Replay};
 use truecut_plan::surface_path::joint_cells;
-use truecut_recording::{ChannelSpec, Chunk, Header, Outcome, Recording, Sink, Unit};
+use truecut_recording::{ChannelSpec, Chunk, Frame, Header, Outcome, Recording, Scene, Sink, Unit};
 use truecut_sim::travel_view;
 use truecut_telemetry::RrdSink;
 
@@ -16,6 +16,8 @@ use crate::failure::Failure;
 
 /// Most frames of the recording.
 const FRAMES: usize = 5000;
+/// The channel of distances.
+pub(super) const CLEARANCE: &str = "cell.clearance";
 
 /// What is planned of a file, before it is written.
 pub(super) struct Planned<'a> {
@@ -57,13 +59,18 @@ pub(super) fn table(
     out.into_inner().map_err(|error| error.into_error().into())
 }
 
-/// The arm along the path, and its joints over time, for the viewer.
-pub(super) fn record(planned: &Planned<'_>, file: &Path) -> Result<(), Failure> {
-    let (robot, program, replay) = (planned.robot, planned.program, planned.replay);
-    let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
-    if let Some(folder) = file.parent() {
-        std::fs::create_dir_all(folder).map_err(|error| Failure::at(folder, error))?;
-    }
+/// The arm along the path as it is seen, and its joints over time.
+pub(super) struct Seen {
+    pub scene: Scene,
+    pub frames: Vec<Frame>,
+    pub time_s: Vec<f64>,
+    pub channels: Vec<ChannelSpec>,
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// Looks at the arm along the path.
+pub(super) fn seen(planned: &Planned<'_>) -> Seen {
+    let (robot, replay) = (planned.robot, planned.replay);
     let every = replay.rows.len().div_ceil(FRAMES).max(1);
     // Turns on the spot take no time here: a viewer shows one row an instant.
     let mut rows: Vec<(f64, &[f64])> = Vec::new();
@@ -89,22 +96,38 @@ pub(super) fn record(planned: &Planned<'_>, file: &Path) -> Result<(), Failure> 
     // Where there is nothing that could be met, there is no clearance.
     if !clearance_m.is_empty() && clearance_m.iter().all(|m| m.is_finite()) {
         let what = "distance of the two bodies that are nearest to each other";
-        channels.push(ChannelSpec::new("cell.clearance", Unit::Metre, what));
+        channels.push(ChannelSpec::new(CLEARANCE, Unit::Metre, what));
         columns.push(clearance_m);
     }
+    Seen {
+        scene,
+        frames,
+        time_s,
+        channels,
+        columns,
+    }
+}
+
+/// The same for the viewer.
+pub(super) fn record(program: &Program, seen: &Seen, file: &Path) -> Result<(), Failure> {
+    let failed = |error: truecut_recording::SinkError| Failure::message(error.to_string());
+    if let Some(folder) = file.parent() {
+        std::fs::create_dir_all(folder).map_err(|error| Failure::at(folder, error))?;
+    }
+    let (time_s, columns, frames) = (&seen.time_s, &seen.columns, &seen.frames);
     let header = Header {
         scenario_name: program.name.clone(),
         scenario_text: String::new(),
-        channels,
-        scene,
+        channels: seen.channels.clone(),
+        scene: seen.scene.clone(),
         notes: program.notes.clone(),
     };
     let mut sink = RrdSink::new(file);
     sink.begin(&header).map_err(failed)?;
     let chunk = Chunk {
-        time_s: &time_s,
+        time_s,
         columns: columns.iter().map(Vec::as_slice).collect(),
-        frames: &frames,
+        frames,
     };
     sink.chunk(&chunk).map_err(failed)?;
     let recording = Recording {

@@ -71,6 +71,7 @@ fn on_face(answer: &PlannedPath<'_>) -> Panel {
             Layer::line("line", lines, BLUE),
         ],
     )
+    .evenly()
 }
 
 /// The face's boundary, or the borders of its patch.

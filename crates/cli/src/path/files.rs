@@ -4,11 +4,23 @@ use std::path::{Path, PathBuf};
 
 use truecut_plan::program::{Motion, Move, Program, ProgramError, ProgramFile};
 use truecut_plan::surface_path::{Contact, Part, Segment, joint_cells};
+use truecut_recording::{Frame, Scene};
 
 use super::{PlannedPath, figure, text, view};
 use crate::failure::Failure;
-use crate::page::{self, Page};
+use crate::page::{self, Page, Space};
 use truecut::outputs::write_file;
+
+/// Colour of the wheel's lines in space.
+const LINE_RGB: [u8; 3] = [242, 142, 43];
+/// Most moments that a page has.
+const FEW: usize = 80;
+
+/// Some of the frames, at even distances.
+pub fn few(frames: &[Frame]) -> Vec<Frame> {
+    let every = frames.len().div_ceil(FEW).max(1);
+    frames.iter().step_by(every).cloned().collect()
+}
 
 /// Writes the figure first, then the path, then the program.
 pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
@@ -17,12 +29,13 @@ pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failu
     let (svg, points_csv) = (folder.join("path.svg"), folder.join("path.csv"));
     write_file(&svg, figure::figure(answer).to_svg().as_bytes())?;
     let html = folder.join("path.html");
-    write_file(&html, page(answer).html().as_bytes())?;
+    let seen = view::seen(answer);
+    write_file(&html, page(answer, &seen).html().as_bytes())?;
     let points = table(answer).map_err(|error| Failure::at(&points_csv, error))?;
     write_file(&points_csv, &points)?;
     let mut written = vec![svg, points_csv];
     let rrd = folder.join("path.rrd");
-    view::show(answer, &written, &rrd)?;
+    view::show(answer, &seen, &written, &rrd)?;
     written.extend([rrd, html]);
     written.extend(programs(&folder, program, answer.holds())?);
     Ok(written)
@@ -58,10 +71,13 @@ pub fn programs(
 }
 
 /// The path as a page.
-fn page(answer: &PlannedPath<'_>) -> Page {
+fn page(answer: &PlannedPath<'_>, (scene, frames): &(Scene, Vec<Frame>)) -> Page {
     let mut page = Page::new("path", format!("{}: path", answer.job.name));
     page.told(&text::printed(answer, &[]));
     page.figures("Path", [figure::figure(answer)]);
+    let mut space = Space::of_scene("The arm along the path", scene, &few(frames));
+    space.lines("where the wheel touches", LINE_RGB, view::lines(answer));
+    page.space("In space", space);
     page.text(page::repeat(
         "truecut path",
         &format!("{}.toml", answer.job.stem()),

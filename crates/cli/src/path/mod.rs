@@ -3,6 +3,7 @@
 mod body;
 mod cam;
 mod cam_files;
+mod cam_page;
 mod depth;
 mod edges;
 mod figure;

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Point3;
+use truecut_recording::{Frame, Scene};
 use truecut_sim::process::Tooling;
 use truecut_sim::{arm_view, mesh_body};
 use truecut_telemetry::{PlanShown, write_plan};
@@ -15,8 +16,8 @@ use crate::figure::charts_of;
 /// Most postures that are shown; the program has all.
 const MOST_POSTURES: usize = 3000;
 
-/// Writes the file. `written` are files that the text names.
-pub fn show(answer: &PlannedPath<'_>, written: &[PathBuf], rrd: &Path) -> Result<(), Failure> {
+/// The arm along the path beside the workpiece, and when.
+pub fn seen(answer: &PlannedPath<'_>) -> (Scene, Vec<Frame>) {
     let (job, inputs) = (answer.job, answer.inputs);
     let at = &job.surface.world_from_patch;
     let workpiece = inputs.body.as_ref().unwrap_or(&inputs.patch_mesh);
@@ -38,17 +39,27 @@ pub fn show(answer: &PlannedPath<'_>, written: &[PathBuf], rrd: &Path) -> Result
         (times[at], moves[at].posture.as_slice())
     });
     let tooling = Tooling::drum([job.wheel.radius_m, job.wheel.width_m]);
-    let (scene, frames) = arm_view(&inputs.robot, &tooling, stops, about);
+    arm_view(&inputs.robot, &tooling, stops, about)
+}
+
+/// Writes the file. `written` are files that the text names.
+pub fn show(
+    answer: &PlannedPath<'_>,
+    (scene, frames): &(Scene, Vec<Frame>),
+    written: &[PathBuf],
+    rrd: &Path,
+) -> Result<(), Failure> {
+    let job = answer.job;
     let title = format!("{}: path", job.name);
     let source = truecut_files::read_text(job.path()).unwrap_or_default();
     let shown = PlanShown {
         title: &title,
         text: &text::printed(answer, written),
         scenario: &source,
-        scene: &scene,
-        frames: &frames,
+        scene,
+        frames,
         stations: &[],
-        lines: &lines(answer, at),
+        lines: &lines(answer),
         text_title: "Path",
         pages: &[charts_of(&figure::figure(answer))],
     };
@@ -56,8 +67,12 @@ pub fn show(answer: &PlannedPath<'_>, written: &[PathBuf], rrd: &Path) -> Result
 }
 
 /// Where the wheel touches, line by line, and where bodies come nearest to each other, world.
-fn lines(answer: &PlannedPath<'_>, world_from_patch: &Isometry3<f64>) -> Vec<Vec<[f64; 3]>> {
-    let place = |point| (world_from_patch * Point3::from(point)).coords.into();
+pub fn lines(answer: &PlannedPath<'_>) -> Vec<Vec<[f64; 3]>> {
+    let place = |point| {
+        (answer.job.surface.world_from_patch * Point3::from(point))
+            .coords
+            .into()
+    };
     let lines = answer.path.lines.iter();
     let lines = lines.map(|line| line.iter().map(|contact| place(contact.point_m)).collect());
     let nearest = answer.clearance.iter().flat_map(Checked::nearest);

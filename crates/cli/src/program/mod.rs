@@ -100,12 +100,16 @@ pub struct RunThrough<'a> {
 
 /// Prints what came of running a program through, and says whether the robot can run it.
 pub fn run_through(run: &RunThrough<'_>) -> Result<ExitStatus, Failure> {
-    let zones = run.program.zones(run.acceleration_m_per_s2);
-    crate::print(&printed(run, &zones))?;
+    crate::print(&told(run))?;
     Ok(match run.holds() {
         true => ExitStatus::Good,
         false => ExitStatus::ClaimFailed,
     })
+}
+
+/// What came of running a program through, as it is printed.
+pub fn told(run: &RunThrough<'_>) -> String {
+    printed(run, &run.program.zones(run.acceleration_m_per_s2))
 }
 
 impl RunThrough<'_> {

@@ -1,11 +1,13 @@
 //! A run as a page: claims, results, assumptions, and its channels as curves.
 
 use maud::{Markup, html};
+use truecut::Shown;
 use truecut_recording::{ChannelSpec, Outcome, Profile, Unit, UserUnit};
 use truecut_scenario::Scenario;
 use truecut_sim::run::Finished;
 use truecut_telemetry::{FileError, StoredRows};
 
+use super::maps;
 use crate::figure::{Figure, Layer, Legend, Panel, largest, thinned};
 use crate::page::{self, MOST_POINTS, Page};
 use crate::text;
@@ -15,6 +17,7 @@ pub fn html(
     scenario: &Scenario,
     finished: &Finished,
     rows: &StoredRows,
+    shown: &Shown,
 ) -> Result<String, FileError> {
     let Finished {
         recording, claims, ..
@@ -37,6 +40,7 @@ pub fn html(
     page.text(page::claims("Claims", claims));
     page.text(page::notes(&recording.header.notes));
     page.text(page::scalars(&recording.scalars));
+    maps::add(&mut page, shown, finished.part.as_ref());
     let looks = (0..rows.header().channels.len()).map(|channel| Look::at(rows, channel));
     let looks = looks.collect::<Result<Vec<_>, _>>()?;
     page.figures("Channels", channels(&recording.time_s, rows, &looks)?);

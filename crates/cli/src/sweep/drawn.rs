@@ -11,6 +11,8 @@ use crate::text::{self, Align};
 /// Most panels of a figure, and most side by side.
 const MOST_PANELS: usize = 24;
 const MOST_ABREAST: usize = 3;
+/// Most points of all panels.
+const MOST_POINTS: usize = 40_000;
 
 /// Heads of the columns of [`spread`].
 pub const HEAD: [&str; 8] = [
@@ -73,18 +75,30 @@ pub fn printed(table: &SweepTable) -> String {
     text::table(&aligns, &rows)
 }
 
-/// Every result over every axis, a point for each row.
+/// Every result over every axis, a point for each row; of many rows some, evenly: a file of all
+/// could not be opened.
 pub fn figure(title: &str, table: &SweepTable) -> Figure {
     let axes = || {
         let columns = table.columns.iter().enumerate();
         columns.filter(|(_, column)| column.is_axis)
     };
+    let count = (results(table).count() * axes().count()).clamp(1, MOST_PANELS);
+    let every = table.rows.len().div_ceil(MOST_POINTS / count).max(1);
+    let note = match every {
+        1 => String::new(),
+        every => format!("one of {every} rows is drawn"),
+    };
     let panels = results(table).flat_map(|(index, column)| {
+        let note = &note;
         axes().map(move |(over, axis)| {
-            let points = table.rows.iter().map(|row| (row[over], row[index]));
+            let points = table
+                .rows
+                .iter()
+                .step_by(every)
+                .map(|row| (row[over], row[index]));
             let points: Vec<(f64, f64)> = points.filter(|(_, y)| y.is_finite()).collect();
             let layer = Layer::circles("", points, over);
-            Panel::new("", heading(axis), heading(column), vec![layer])
+            Panel::new(note, heading(axis), heading(column), vec![layer])
         })
     });
     let mut panels: Vec<Panel> = panels.collect();
@@ -132,6 +146,11 @@ mod tests {
         );
         assert_eq!(told[0][7], "1.000 to 99.00");
         assert_eq!(figure("", &table).panels[0].layers[0].points.len(), 99);
+        let rows = (0..100_000).map(|k| vec![f64::from(k), f64::from(k)]);
+        table.rows = rows.collect();
+        let panel = &figure("", &table).panels[0];
+        assert_eq!(panel.title, "one of 3 rows is drawn");
+        assert_eq!(panel.layers[0].points.len(), 33_334);
         table.rows = vec![vec![0.5, f64::NAN]];
         assert_eq!(
             spread(&table)[0][2..],
