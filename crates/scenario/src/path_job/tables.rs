@@ -140,6 +140,9 @@ pub(super) struct PathTable {
     scallop_mm: Option<f64>,
     /// Normal of the planes in the patch's frame, for parallel_plane.
     plane_normal: Option<[f64; 3]>,
+    /// Whether a line is laid along each border of the patch, too, which takes the triangles that
+    /// planes askew to a border leave there, for parallel_plane. Default: false.
+    border_lines: Option<bool>,
     /// Largest distance of points along a line.
     #[schemars(extend("minimum" = 0.02, "x-rule" = "programs print thousandths of a millimetre, by which nearer points would lose the line's direction"))]
     step_mm: f64,
@@ -263,11 +266,15 @@ impl PathTable {
         };
         match self.strategy {
             StrategyWord::IsoParametric => {
-                idle(&["scallop_mm", "plane_normal"], "iso_parametric", check);
+                idle(
+                    &["scallop_mm", "plane_normal", "border_lines"],
+                    "iso_parametric",
+                    check,
+                );
                 Some(Strategy::IsoParametric)
             }
             StrategyWord::IsoScallop => {
-                idle(&["plane_normal"], "iso_scallop", check);
+                idle(&["plane_normal", "border_lines"], "iso_scallop", check);
                 let who = "strategy = \"iso_scallop\"";
                 let scallop = check.needed("path", "scallop_mm", self.scallop_mm, who)?;
                 let scallop_m = from_mm(scallop);
@@ -279,7 +286,11 @@ impl PathTable {
                 let normal = check.needed("path", "plane_normal", self.plane_normal, who)?;
                 check.direction("path.plane_normal", normal)?;
                 let normal = Unit::new_normalize(Vector3::from(normal));
-                Some(Strategy::ParallelPlane { normal })
+                let along_borders = self.border_lines.unwrap_or(false);
+                Some(Strategy::ParallelPlane {
+                    normal,
+                    along_borders,
+                })
             }
         }
     }
