@@ -66,7 +66,7 @@ impl Boundary {
     ///
     /// # Errors
     /// As [`Boundary::new`].
-    pub(super) fn add_hole(&mut self, points_m: &[Vector3<f64>]) -> Result<(), SurfaceFault> {
+    pub(crate) fn add_hole(&mut self, points_m: &[Vector3<f64>]) -> Result<(), SurfaceFault> {
         self.holes_m.push(Self::new(points_m)?.corners_m);
         Ok(())
     }

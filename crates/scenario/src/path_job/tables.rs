@@ -16,7 +16,7 @@ use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm};
 /// The face to be finished.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SurfaceTable {
+pub(crate) struct SurfaceTable {
     /// File of the patch, relative to this file. Default: none; one of `patch` and `mesh` must be
     /// there.
     patch: Option<String>,
@@ -61,8 +61,9 @@ const DEFAULT_CREASE_DEG: f64 = 30.0;
 const DEFAULT_DEVIATION_MM: f64 = 0.03;
 
 impl MeshFaceTable {
-    fn resolve(self, folder: &Path, check: &mut Check) -> MeshFace {
-        let u_along = (self.u_along).and_then(|way| check.direction("surface.mesh.u_along", way));
+    fn resolve(self, table: &str, folder: &Path, check: &mut Check) -> MeshFace {
+        let key = format!("{table}.mesh.u_along");
+        let u_along = (self.u_along).and_then(|way| check.direction(&key, way));
         MeshFace {
             mesh: MeshFile {
                 file: folder.join(self.file),
@@ -162,24 +163,29 @@ pub(super) struct PathTable {
 }
 
 impl SurfaceTable {
-    /// `None` after recording a fault.
-    pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> Option<SurfaceSetup> {
+    /// `None` after recording a fault. `table` is the table's path.
+    pub(crate) fn resolve(
+        self,
+        table: &str,
+        folder: &Path,
+        check: &mut Check,
+    ) -> Option<SurfaceSetup> {
         if self.body.is_none() {
-            let because = "there is no `surface.body` whose unit it could be";
-            check.ignored("surface", &["body_unit_mm"], because);
+            let because = format!("there is no `{table}.body` whose unit it could be");
+            check.ignored(table, &["body_unit_mm"], &because);
         }
         let unit_m = from_mm(self.body_unit_mm.unwrap_or(1.0));
         let face = match (self.patch, self.mesh) {
             (Some(patch), None) => FaceSource::Patch(folder.join(patch)),
-            (None, Some(mesh)) => FaceSource::Mesh(mesh.resolve(folder, check)),
+            (None, Some(mesh)) => FaceSource::Mesh(mesh.resolve(table, folder, check)),
             (Some(_), Some(_)) => {
-                let because = "`surface.mesh` gives the face";
-                check.ignored("surface", &["patch"], because);
+                let because = format!("`{table}.mesh` gives the face");
+                check.ignored(table, &["patch"], &because);
                 return None;
             }
             (None, None) => {
-                let who = "the face (or a table `surface.mesh`)";
-                return check.needed("surface", "patch", None, who);
+                let who = format!("the face (or a table `{table}.mesh`)");
+                return check.needed(table, "patch", None, &who);
             }
         };
         Some(SurfaceSetup {
