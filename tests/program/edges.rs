@@ -1,4 +1,5 @@
-//! Edges of a mesh that are brushed without teaching: `truecut path` of a scenario.
+//! Edges of a mesh that are brushed without teaching, and a face of one that is polished: `truecut
+//! path` of a scenario.
 
 use std::path::Path;
 
@@ -95,4 +96,52 @@ fn what_stands_in_the_bore_is_met_and_no_program_is_written() {
         told_all.contains(met) && told_all.contains("no program is written"),
         "{told_all}"
     );
+}
+
+/// The shipped cover in the desk's folder, its lines far apart.
+fn cover(desk: &Desk, changes: &[(&str, &str)]) -> &'static str {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = root.canonicalize().unwrap();
+    let shipped = root.join("scenarios/finishing/cover_polish.toml");
+    let mut text = std::fs::read_to_string(shipped).unwrap();
+    let cell = format!("{}/scenarios/finishing/cover_cell.toml", root.display());
+    let all = [
+        ("../..", root.to_str().unwrap()),
+        ("cover_cell.toml", cell.as_str()),
+        ("line_spacing_mm = 4", "line_spacing_mm = 12"),
+    ];
+    for (from, to) in all.iter().chain(changes) {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    std::fs::write(desk.path("cover.toml"), text).unwrap();
+    "cover.toml"
+}
+
+#[test]
+fn a_face_with_a_hole_becomes_a_program_that_reads_back_and_is_polished() {
+    let desk = Desk::new();
+    let file = cover(&desk, &[]);
+    let dialect = ["--dialect", "jbi", "--option", "date=2026-01-31 12:00"];
+    let output = desk.truecut(&[&["path", file, "--name", "COVER"][..], &dialect].concat());
+    assert!(output.status.success(), "{}", told(&output));
+    // Seven lines, one of which the hole cuts.
+    for wanted in ["clearance", "8 pieces of lines", "relative radii"] {
+        let told = told(&output);
+        assert!(told.contains(wanted), "{wanted}: {told}");
+    }
+    let points = std::fs::read_to_string(desk.path("out/cover/path.csv")).unwrap();
+    assert!(points.starts_with("point,line,"), "{points}");
+    let robot = hp20();
+    let program = ["program", "out/cover/COVER.JBI", "--robot", &robot];
+    let table = ["--path", "out/cover/path.csv"];
+    let output = desk.truecut(&[&program[..], &table].concat());
+    assert!(output.status.success(), "{}", told(&output));
+
+    let run = ["run", file, "--set", "run.duration_s=3"];
+    let output = desk.truecut(&run);
+    let told = told(&output);
+    assert!(told.contains("surface_polish.mean_force"), "{told}");
+    assert!(desk.path("out/cover/recording.parquet").is_file());
+    assert!(desk.path("out/cover/recording.rrd").is_file(), "{told}");
 }

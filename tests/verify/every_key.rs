@@ -71,6 +71,11 @@ const BRUSH: &str = include_str!("every_key/brush.toml");
 /// lets it, and the step of points counts.
 const BRUSH_ALONG: &str = include_str!("every_key/brush_along.toml");
 
+/// Point, deviation and direction of the face are written so that they are not changed: another
+/// point picks the same face, a fit that keeps a deviation keeps others, and a face of four sides
+/// is laid along the one that is nearest.
+const SURFACE_POLISH: &str = include_str!("every_key/surface_polish.toml");
+
 fn run(text: &str, overrides: &[(String, String)]) -> Recording {
     let at = repository().join("scenarios/arm/every_key.toml");
     let scenario = Scenario::from_str(&at, text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
@@ -172,6 +177,11 @@ fn every_key_of_milling_along_a_path_counts() {
 fn every_key_of_polishing_counts() {
     check(POLISH, 34);
     check(POLISH_HELD, 37);
+}
+
+#[test]
+fn every_key_of_polishing_a_surface_counts() {
+    check(SURFACE_POLISH, 31);
 }
 
 #[test]

@@ -12,6 +12,7 @@ pub mod belt;
 pub mod bonded;
 pub mod bristle;
 pub mod brush;
+pub mod curved;
 pub mod eccentricity;
 pub mod edge_grains;
 pub mod edge_wear;

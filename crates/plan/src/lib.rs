@@ -58,6 +58,7 @@ mod parts;
 pub mod path_file;
 mod plan;
 mod planner;
+pub mod polish_path;
 pub mod precession;
 pub mod program;
 mod reach;

@@ -1,4 +1,5 @@
-//! The `control` tables of `[process.polish]` and `[process.belt]`: what holds the normal force.
+//! The `control` tables of `[process.polish]`, `[process.surface_polish]` and `[process.belt]`:
+//! what holds the normal force.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -26,7 +27,7 @@ pub(crate) struct ControlTable {
     /// What holds the normal force.
     law: LawName,
     /// How far the undeformed wheel would reach into the face (law "position" of process.polish; a
-    /// belt's job says it).
+    /// belt's job and the path of process.surface_polish say it).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the wheel is pressed on"))]
     indentation_mm: Option<f64>,
     /// Normal force that is held (law "constant_force"), or preload (law "compliant").
@@ -45,8 +46,9 @@ pub(crate) struct ControlTable {
     /// Stiffness of the carrier's spring (law "compliant").
     #[schemars(extend("minimum" = 0.0, "x-rule" = "0 is a preload alone"))]
     stiffness_n_per_mm: Option<f64>,
-    /// Stroke of the carrier to either side (law "compliant"; law "constant_force" of process.belt,
-    /// whose wheel leaves the face between lines; of process.polish default: none).
+    /// Stroke of the carrier to either side (law "compliant"; law "constant_force" of process.belt
+    /// and process.surface_polish, whose wheel leaves the face between lines; of process.polish
+    /// default: none).
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "the carrier moves"))]
     stroke_mm: Option<f64>,
 }
@@ -64,6 +66,8 @@ pub(crate) enum Pressed {
         indentation_m: f64,
         /// How far it is lifted between lines.
         lift_m: f64,
+        /// What says how far it reaches in.
+        says: &'static str,
     },
 }
 
@@ -84,10 +88,9 @@ impl ControlTable {
                     let given = check.needed(table, "indentation_mm", self.indentation_mm, who)?;
                     Some(indentation(table, given, radius_m, check)?)
                 }
-                Pressed::ByPath { .. } => {
-                    let because =
-                        "the path job's wheel.indentation_mm says how far the wheel is led in";
-                    check.ignored(table, &["indentation_mm"], because);
+                Pressed::ByPath { says, .. } => {
+                    let because = format!("{says} says how far the wheel is led in");
+                    check.ignored(table, &["indentation_mm"], &because);
                     None
                 }
             };
@@ -181,6 +184,7 @@ fn leaves_the_face(
     let Pressed::ByPath {
         indentation_m,
         lift_m,
+        ..
     } = *pressed
     else {
         return true;
@@ -190,7 +194,7 @@ fn leaves_the_face(
         return true;
     };
     let message = format!(
-        "is {}, but must be less than {}: between lines the path job lifts the wheel by {} mm, which reaches in by {} mm on them, and \
+        "is {}, but must be less than {}: between lines the path lifts the wheel by {} mm, which reaches in by {} mm on them, and \
          there the carrier stands out",
         in_mm(stroke_m),
         in_mm(clear_m),

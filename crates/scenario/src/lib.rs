@@ -105,6 +105,7 @@ pub use process::milling::{MillingSpec, PlannedPath};
 pub use process::path_milling::{PathMillingSpec, SpindleSpec, StockSpec};
 pub use process::polish::{GrainSpec, PolishSpec, TextureSpec};
 pub use process::replay::{ReplayMode, ReplaySpec, Turning};
+pub use process::surface_polish::SurfacePolishSpec;
 pub use process::wheel::WheelSpec;
 pub use process::{
     BrokenRule, CustomSpec, Definition, Facts, Knob, ModesIn, Parts, PostureFrom, ProcessSpec,

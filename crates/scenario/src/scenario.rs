@@ -107,8 +107,10 @@ impl Scenario {
         let text = read_text("scenario", path).ok();
         let document = text.and_then(|text| text.parse::<DocumentMut>().ok());
         document.is_some_and(|document| {
-            let process = document.get("process").and_then(|one| one.get("brush"));
-            process.and_then(|brush| brush.get("along")).is_some()
+            let process = document.get("process");
+            let brush = process.and_then(|process| process.get("brush"));
+            let polish = process.and_then(|process| process.get("surface_polish"));
+            polish.is_some() || brush.and_then(|brush| brush.get("along")).is_some()
         })
     }
 

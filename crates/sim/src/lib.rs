@@ -57,7 +57,7 @@ pub use effect::misfit;
 pub use error::SimError;
 pub use estimates::estimates;
 pub use mjcf::export_mjcf;
-pub use motion::edges::{LaidWay, laid_way};
+pub use motion::edges::{LaidTool, LaidWay, laid_way};
 pub use replay::along::PlannedArm;
 pub use replay::inverse::InverseModel;
 pub use replay::rigid::Forces;

@@ -1,14 +1,10 @@
-//! `truecut path` of a scenario that lays its way along edges of its part.
+//! `truecut path` of a scenario that lays its way on its part, along edges or over a face.
 
-use std::sync::Arc;
-
-use nalgebra::{Isometry3, Vector3};
 use truecut_arm::Robot;
-use truecut_plan::clearance::{Cell, Own, Solid, Tool};
+use truecut_plan::clearance::{Cell, Own, Tool};
 use truecut_plan::program::Program;
-use truecut_plan::surface::Mesh;
-use truecut_scenario::{BrushSpec, ProcessSpec, Scenario};
-use truecut_sim::laid_way;
+use truecut_scenario::Scenario;
+use truecut_sim::{LaidWay, laid_way};
 
 use super::cam::{BeforeArm, dialect, head, settings};
 use crate::args::{CamArguments, PathArguments};
@@ -27,9 +23,9 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let dialect = dialect(cam)?;
     let settings = settings(cam, dialect)?;
     let way = laid_way(&scenario, &robot).map_err(|error| Failure::sim(&scenario, error))?;
-    let (Some(mut way), ProcessSpec::Brush(spec)) = (way, &scenario.process) else {
-        let message = "`process.brush` lays no way";
-        return Err(scenario.problem("process.brush", message).into());
+    let Some(mut way) = way else {
+        let message = "it lays no way";
+        return Err(scenario.problem("process", message).into());
     };
     let slides: Vec<usize> = robot.slides().collect();
     let robot = match slides.is_empty() {
@@ -46,7 +42,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     let near = way.near.take().map(turning);
     way.setup.zone_m = cam.zone_mm.map(|mm| mm * 1e-3);
     let head = head(cam, dialect, &settings, &robot, file)?;
-    let cell = cell(&scenario, spec, &robot, &head, &way.part)?;
+    let cell = cell(&scenario, &robot, &head, &way)?;
     way.path.notes.extend(way.note.take());
     let way = BeforeArm {
         robot: &robot,
@@ -54,7 +50,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         setup: way.setup,
         near: near.as_deref(),
         slides_m: way.slides_m,
-        line_word: "edge",
+        line_word: way.line_word,
         help: None,
     };
     way.planned(arguments, cell, dialect, &settings, head)
@@ -78,36 +74,30 @@ fn check_arguments(arguments: &PathArguments) -> Result<(), Failure> {
     if of_the_program == *cam {
         return Ok(());
     }
-    let text = "arm, posture, part, speeds and cell of a way along edges stand in its scenario: only \
+    let text = "arm, posture, part, speeds and cell of a way on a part stand in its scenario: only \
                 --dialect, --option, --name, --base-xyz-mm, --base-rpy-deg, --zone-mm, \
                 --spindle-signal and --acceleration-m-per-s2 are given beside it";
     Err(Failure::at(&arguments.file, text))
 }
 
-/// The cell that the scenario names, with its part and the brush.
+/// The cell that the scenario names, with its part and its tool.
 fn cell(
     scenario: &Scenario,
-    spec: &BrushSpec,
     robot: &Robot,
     head: &Program,
-    part: &Arc<Mesh>,
+    way: &LaidWay,
 ) -> Result<Option<Cell>, Failure> {
     let Some(cell) = scenario.cell.as_deref() else {
         return Ok(None);
     };
-    // A cylinder's axis is its z, the brush's is the tool's y.
-    let about_y = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
-    let brush = Tool {
-        name: "brush".to_owned(),
-        solid: Solid::Cylinder {
-            radius_m: spec.brush.radius_m,
-            length_m: spec.brush.width_m,
-        },
-        flange_from_solid: head.tool.flange_from_tool * about_y,
+    let tool = Tool {
+        name: way.tool.name.to_owned(),
+        solid: way.tool.solid.clone(),
+        flange_from_solid: head.tool.flange_from_tool * way.tool.tool_from_solid,
     };
     let own = Own {
-        part: vec![(part.as_ref(), spec.world_from_mesh)],
-        tools: vec![brush],
+        part: vec![(way.part.as_ref(), way.world_from_part)],
+        tools: vec![tool],
     };
     Checked::cell_of_job(robot, cell, &own, "the scenario").map(Some)
 }

@@ -6,6 +6,8 @@ use super::error::{SurfaceFault, place};
 
 /// First and last point of a closed boundary are the same to this, m.
 const CLOSED_M: f64 = 1e-6;
+/// Segments are parallel that make an angle whose sine is as small.
+const PARALLEL: f64 = 1e-10;
 
 /// A closed polyline around a face, and others around its holes.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +66,7 @@ impl Boundary {
     ///
     /// # Errors
     /// As [`Boundary::new`].
-    pub(super) fn add_hole(&mut self, points_m: &[Vector3<f64>]) -> Result<(), SurfaceFault> {
+    pub(crate) fn add_hole(&mut self, points_m: &[Vector3<f64>]) -> Result<(), SurfaceFault> {
         self.holes_m.push(Self::new(points_m)?.corners_m);
         Ok(())
     }
@@ -209,7 +211,8 @@ fn crossing(
 ) -> Option<f64> {
     let (first, second, between) = (b - a, d - c, c - a);
     let turn = first.perp(&second);
-    if turn == 0.0 {
+    // Pieces of one straight side run along each other to rounding, wherever the face stands.
+    if turn.abs() <= PARALLEL * first.norm() * second.norm() {
         return None;
     }
     let [on_first, on_second] = [between.perp(&second) / turn, between.perp(&first) / turn];

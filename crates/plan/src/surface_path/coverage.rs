@@ -162,8 +162,37 @@ mod tests {
     }
 
     fn planes(normal: Vector3<f64>) -> Strategy {
-        let normal = Unit::new_normalize(normal);
-        Strategy::ParallelPlane { normal }
+        Strategy::ParallelPlane {
+            normal: Unit::new_normalize(normal),
+            along_borders: false,
+        }
+    }
+
+    /// Planes of normals drawn all round on faces drawn at random, turned anyhow: with a line along
+    /// each border none of the triangles that they leave there is left. Closed form of what is left
+    /// without, on a flat face of sides a and b under lines that lean by θ: each line of swath s
+    /// leaves triangles of s²/2 (tan or cot of θ) at both ends, beside what is left in corners.
+    #[test]
+    fn lines_along_borders_take_what_planes_askew_to_them_leave() {
+        let mut left_before = 0.0_f64;
+        for seed in 0..12 {
+            let (long_m, wide_m, turn) =
+                seeded(seed, &(0.08..0.2_f64, 0.05..0.1_f64, 0.05..1.5_f64));
+            let place = nalgebra::Rotation3::new(Vector3::new(turn, 1.0 - turn, 0.3 * turn) * 2.0);
+            let (along, up) = (place * Vector3::x() * long_m, place * Vector3::y() * wide_m);
+            let plane = PlanePatch::new(Vector3::zeros(), along, up).expect("a plane");
+            let patch = of(plane);
+            let normal = place * Vector3::new(turn.sin(), turn.cos(), 0.0);
+            let askew = planned(&patch, planes(normal), 0.1e-3).untouched_share(&patch);
+            let with_borders = Strategy::ParallelPlane {
+                normal: Unit::new_normalize(normal),
+                along_borders: true,
+            };
+            let left = planned(&patch, with_borders, 0.1e-3).untouched_share(&patch);
+            assert!(left < 0.005, "seed {seed}, {turn}: {left} of {askew}");
+            left_before = left_before.max(askew);
+        }
+        assert!(left_before > 0.1, "{left_before}");
     }
 
     /// A single line along a plane leaves what is not under its swath, to a cell on each side.

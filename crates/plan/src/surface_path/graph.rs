@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::contact::Contact;
 use crate::motion::interpolation::hermite;
 use crate::surface::{Domain, Jet, Surface};
 
@@ -73,6 +74,13 @@ impl Turned<'_> {
     pub fn back(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [low, high] = self.0.domain().u;
         [low + high - v, u]
+    }
+
+    /// Makes places on lines of this patch those of the patch beneath.
+    pub fn all_back(&self, lines: &mut [Vec<Contact>]) {
+        for contact in lines.iter_mut().flatten() {
+            [contact.u, contact.v] = self.back([contact.u, contact.v]);
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use super::layout::{Layout, STATIONS, check_distance, narrow};
 use super::options::{FeedAlong, PathOptions, Strategy};
 use super::spacing::{Laid, evenly};
 use super::wheel::ContactWheel;
-use super::{planes, scallop};
+use super::{borders, planes, scallop};
 use crate::bounds::OutOfBounds;
 use crate::surface::{Boundary, Surface};
 
@@ -60,7 +60,7 @@ pub fn plan_path(
     check(wheel, strategy, options)?;
     let turned = Turned(surface);
     let across = match strategy {
-        Strategy::ParallelPlane { normal } => planes::along_v(surface, &normal),
+        Strategy::ParallelPlane { normal, .. } => planes::along_v(surface, &normal),
         _ => feed_along == FeedAlong::V,
     };
     let layout = Layout {
@@ -72,7 +72,7 @@ pub fn plan_path(
     let mut lines = match strategy {
         Strategy::IsoParametric => iso_parametric(&layout)?,
         Strategy::IsoScallop { scallop_m } => scallop::lines(&layout, scallop_m)?,
-        Strategy::ParallelPlane { normal } => planes::lines(&layout, &normal)?,
+        Strategy::ParallelPlane { normal, .. } => planes::lines(&layout, &normal)?,
     };
     if lines.is_empty() {
         let [low, high] = layout.surface.domain().v;
@@ -81,9 +81,14 @@ pub fn plan_path(
         ));
     }
     if across {
-        for contact in lines.iter_mut().flatten() {
-            [contact.u, contact.v] = turned.back([contact.u, contact.v]);
-        }
+        turned.all_back(&mut lines);
+    }
+    if let Strategy::ParallelPlane {
+        along_borders: true,
+        ..
+    } = strategy
+    {
+        lines.extend(borders::lines(&Layout { surface, ..layout })?);
     }
     Ok(SurfacePath { lines })
 }
@@ -176,7 +181,7 @@ fn places(
 }
 
 /// Courses from end to end, every other one backwards.
-fn to_and_fro(
+pub(super) fn to_and_fro(
     layout: &Layout<'_>,
     graphs: impl Iterator<Item = GraphLine>,
 ) -> Result<Vec<Vec<Contact>>, SurfacePathError> {

@@ -7,6 +7,7 @@
 //! arm, and [`solve`] finds the arm's postures along all of them.
 
 mod axis;
+mod borders;
 mod chord;
 mod contact;
 mod coverage;

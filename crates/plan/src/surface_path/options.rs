@@ -27,8 +27,13 @@ pub enum Strategy {
     /// Each line as far from the one before, at every place of it, as leaves a ridge of one height
     /// (and no strip untouched).
     IsoScallop { scallop_m: f64 },
-    /// Sections with planes of one normal, the next as far away as the narrowest place allows.
-    ParallelPlane { normal: Unit<Vector3<f64>> },
+    /// Sections with planes of one normal, the next as far away as the narrowest place allows. A
+    /// line ends where a corner of its contact meets a border, which leaves triangles at borders
+    /// that the planes run askew to; `along_borders` lays a line along each border of the patch.
+    ParallelPlane {
+        normal: Unit<Vector3<f64>>,
+        along_borders: bool,
+    },
 }
 
 /// The parameter along which lines are fed; parallel planes choose it themselves.

@@ -213,7 +213,10 @@ mod tests {
         boundary: Option<&Boundary>,
     ) -> Vec<Vec<Contact>> {
         let normal = Unit::new_normalize(normal);
-        let strategy = Strategy::ParallelPlane { normal };
+        let strategy = Strategy::ParallelPlane {
+            normal,
+            along_borders: false,
+        };
         let path = plan_path(
             surface,
             boundary,
@@ -333,7 +336,10 @@ mod tests {
     #[test]
     fn planes_along_the_face_are_refused() {
         let normal = Unit::new_normalize(Vector3::z());
-        let strategy = Strategy::ParallelPlane { normal };
+        let strategy = Strategy::ParallelPlane {
+            normal,
+            along_borders: false,
+        };
         let refused = plan_path(&plane(), None, &PUBLISHED, strategy, FeedAlong::U, &OPTIONS);
         let told = refused.expect_err("planes along the face").to_string();
         assert!(told.contains("along the face"), "{told}");

@@ -17,7 +17,7 @@ use truecut_plan::program::ProgramSetup;
 use truecut_plan::surface_path::{ContactWheel, PathSetup, SurfaceSetup, Symmetry, TaughtFile};
 
 use motion::SymmetryTable;
-pub(crate) use tables::place;
+pub(crate) use tables::{SurfaceTable, place};
 
 use crate::check::Check;
 use crate::document::Document;
@@ -63,7 +63,7 @@ struct FileTable {
     /// frame's y.
     robot: ArmTable,
     /// The face to be finished.
-    surface: tables::SurfaceTable,
+    surface: SurfaceTable,
     /// The contact wheel.
     wheel: tables::WheelTable,
     /// The lines on the face.
@@ -151,7 +151,7 @@ impl FileTable {
         let turntable = self.symmetry.as_ref().and_then(SymmetryTable::turntable);
         let symmetry = self.symmetry.map(|table| table.resolve(&mut check));
         let program = self.program.resolve(turntable, &mut check);
-        let surface = self.surface.resolve(&folder, &mut check);
+        let surface = self.surface.resolve("surface", &folder, &mut check);
         let robot = self.robot.resolve(&folder, &mut check);
         let taught = self.taught.unwrap_or_default().into_iter();
         let taught = taught.map(|table| table.resolve(&folder)).collect();

@@ -16,7 +16,7 @@ use crate::units::{from_deg, from_mm, from_mpa, from_n_per_mm};
 /// The face to be finished.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct SurfaceTable {
+pub(crate) struct SurfaceTable {
     /// File of the patch, relative to this file. Default: none; one of `patch` and `mesh` must be
     /// there.
     patch: Option<String>,
@@ -61,8 +61,9 @@ const DEFAULT_CREASE_DEG: f64 = 30.0;
 const DEFAULT_DEVIATION_MM: f64 = 0.03;
 
 impl MeshFaceTable {
-    fn resolve(self, folder: &Path, check: &mut Check) -> MeshFace {
-        let u_along = (self.u_along).and_then(|way| check.direction("surface.mesh.u_along", way));
+    fn resolve(self, table: &str, folder: &Path, check: &mut Check) -> MeshFace {
+        let key = format!("{table}.mesh.u_along");
+        let u_along = (self.u_along).and_then(|way| check.direction(&key, way));
         MeshFace {
             mesh: MeshFile {
                 file: folder.join(self.file),
@@ -140,6 +141,9 @@ pub(super) struct PathTable {
     scallop_mm: Option<f64>,
     /// Normal of the planes in the patch's frame, for parallel_plane.
     plane_normal: Option<[f64; 3]>,
+    /// Whether a line is laid along each border of the patch, too, which takes the triangles that
+    /// planes askew to a border leave there, for parallel_plane. Default: false.
+    border_lines: Option<bool>,
     /// Largest distance of points along a line.
     #[schemars(extend("minimum" = 0.02, "x-rule" = "programs print thousandths of a millimetre, by which nearer points would lose the line's direction"))]
     step_mm: f64,
@@ -159,24 +163,29 @@ pub(super) struct PathTable {
 }
 
 impl SurfaceTable {
-    /// `None` after recording a fault.
-    pub(super) fn resolve(self, folder: &Path, check: &mut Check) -> Option<SurfaceSetup> {
+    /// `None` after recording a fault. `table` is the table's path.
+    pub(crate) fn resolve(
+        self,
+        table: &str,
+        folder: &Path,
+        check: &mut Check,
+    ) -> Option<SurfaceSetup> {
         if self.body.is_none() {
-            let because = "there is no `surface.body` whose unit it could be";
-            check.ignored("surface", &["body_unit_mm"], because);
+            let because = format!("there is no `{table}.body` whose unit it could be");
+            check.ignored(table, &["body_unit_mm"], &because);
         }
         let unit_m = from_mm(self.body_unit_mm.unwrap_or(1.0));
         let face = match (self.patch, self.mesh) {
             (Some(patch), None) => FaceSource::Patch(folder.join(patch)),
-            (None, Some(mesh)) => FaceSource::Mesh(mesh.resolve(folder, check)),
+            (None, Some(mesh)) => FaceSource::Mesh(mesh.resolve(table, folder, check)),
             (Some(_), Some(_)) => {
-                let because = "`surface.mesh` gives the face";
-                check.ignored("surface", &["patch"], because);
+                let because = format!("`{table}.mesh` gives the face");
+                check.ignored(table, &["patch"], &because);
                 return None;
             }
             (None, None) => {
-                let who = "the face (or a table `surface.mesh`)";
-                return check.needed("surface", "patch", None, who);
+                let who = format!("the face (or a table `{table}.mesh`)");
+                return check.needed(table, "patch", None, &who);
             }
         };
         Some(SurfaceSetup {
@@ -263,11 +272,15 @@ impl PathTable {
         };
         match self.strategy {
             StrategyWord::IsoParametric => {
-                idle(&["scallop_mm", "plane_normal"], "iso_parametric", check);
+                idle(
+                    &["scallop_mm", "plane_normal", "border_lines"],
+                    "iso_parametric",
+                    check,
+                );
                 Some(Strategy::IsoParametric)
             }
             StrategyWord::IsoScallop => {
-                idle(&["plane_normal"], "iso_scallop", check);
+                idle(&["plane_normal", "border_lines"], "iso_scallop", check);
                 let who = "strategy = \"iso_scallop\"";
                 let scallop = check.needed("path", "scallop_mm", self.scallop_mm, who)?;
                 let scallop_m = from_mm(scallop);
@@ -279,7 +292,11 @@ impl PathTable {
                 let normal = check.needed("path", "plane_normal", self.plane_normal, who)?;
                 check.direction("path.plane_normal", normal)?;
                 let normal = Unit::new_normalize(Vector3::from(normal));
-                Some(Strategy::ParallelPlane { normal })
+                let along_borders = self.border_lines.unwrap_or(false);
+                Some(Strategy::ParallelPlane {
+                    normal,
+                    along_borders,
+                })
             }
         }
     }

@@ -146,6 +146,7 @@ impl BeltTable {
             Some(table) => {
                 let pressed = Pressed::ByPath {
                     indentation_m: job.wheel.indentation_m,
+                    says: "the path job's wheel.indentation_mm",
                     // How far a path from a file is lifted is its own affair.
                     lift_m: match path {
                         Some(Some(_)) => f64::INFINITY,

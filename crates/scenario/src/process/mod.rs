@@ -17,6 +17,7 @@ pub(crate) mod path_file;
 pub(crate) mod path_milling;
 pub(crate) mod polish;
 pub(crate) mod replay;
+pub(crate) mod surface_polish;
 pub(crate) mod wheel;
 
 pub use custom::{BrokenRule, CustomSpec, Definition};
@@ -140,6 +141,8 @@ processes! {
     path_milling => PathMilling(PathMillingSpec),
     /// Polishing a face with a soft wheel in precession.
     polish => Polish(PolishSpec),
+    /// Polishing a freeform face, of a mesh or from a file, with a soft wheel in precession.
+    surface_polish => SurfacePolish(SurfacePolishSpec),
     /// Finishing the face of a path job with a belt over a contact wheel.
     belt => Belt(BeltSpec),
     /// Deburring edges with a wheel brush along taught postures, or a path from a file.

@@ -173,6 +173,7 @@ shipped! {
     path_milling: "milling/pocket.toml" [];
     polish: "finishing/mould_free.toml" [super::COARSE];
     replay: "diagnosis/elbow.toml" [];
+    surface_polish: "finishing/cover_polish.toml" [];
     wheel: "wheel/plate.toml" [];
 }
 

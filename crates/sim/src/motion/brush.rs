@@ -23,6 +23,10 @@ const TAUGHT: &str = "process.brush.taught";
 const PATH: &str = "process.brush.path.file";
 const ALONG: &str = "process.brush.along";
 
+/// What helps where an arm cannot go along an edge.
+const OTHERWISE: &str = "place the part elsewhere, tilt the brush otherwise, begin a closed edge at \
+                         another point of it, or go along the edge the other way round (`reversed`)";
+
 /// A point of an edge may be so far from the mesh's edge: what is printed in a file is rounded.
 const ON_THE_EDGE_M: f64 = 0.05e-3;
 /// Most places on all edges.
@@ -63,7 +67,7 @@ pub(crate) fn solve(
             let key = |edge: usize| key_of(edge, "point_mm");
             (
                 ALONG,
-                path_file::lead_along_edges(&laid, &key, robot, start)?,
+                path_file::lead_along(&laid, "edge", (&key, OTHERWISE), robot, start)?,
             )
         }
     };

@@ -7,11 +7,12 @@ pub(crate) mod path_file;
 pub(crate) mod polish;
 pub(crate) mod solve;
 pub(crate) mod straight;
+pub(crate) mod surface_polish;
 
 use crate::command::Samples;
 use crate::error::SimError;
 use crate::process::{Passes, Station};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use std::sync::Arc;
 use truecut_arm::{Load, Robot};
 use truecut_plan::motion::lines::CopyAt;
@@ -41,6 +42,8 @@ pub(crate) enum Target {
     Lines(BeltLines),
     /// A workpiece and its edges.
     Edges(BrushWork),
+    /// A freeform face that is polished.
+    Polished(PolishedFace),
     /// Nothing but the path as it is written.
     Way(Way),
     /// Nothing: the tool is free.
@@ -55,6 +58,16 @@ pub(crate) struct BeltLines {
     pub passes: Passes,
     /// The copies, in the order in which they are finished.
     pub copies: Vec<CopyAt>,
+}
+
+/// What a wheel polishes.
+#[derive(Debug)]
+pub(crate) struct PolishedFace {
+    pub patch: Arc<PatchFile>,
+    /// The part that it is of, as far as that is known.
+    pub body: Arc<Mesh>,
+    /// Outward normal where the first line begins, in the patch's frame.
+    pub first_normal: Vector3<f64>,
 }
 
 /// What a brush works on.

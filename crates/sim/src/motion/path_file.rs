@@ -13,10 +13,6 @@ use truecut_scenario::{LONGEST_S, RobotSpec};
 /// Corners that are rounded by less are not told, m.
 const LEAST_ROUNDED_M: f64 = 1e-6;
 
-/// What helps where an arm cannot go along an edge.
-const OTHERWISE: &str = "place the part elsewhere, tilt the brush otherwise, begin a closed edge at \
-                         another point of it, or go along the edge the other way round (`reversed`)";
-
 /// Where the arm of a path may start.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct StartNear {
@@ -93,23 +89,25 @@ pub(crate) fn lead(
     )
 }
 
-/// The same of a path that was laid along edges of a part, the lines of its points their numbers.
-pub(crate) fn lead_along_edges(
+/// The same of a path that was laid on a part: what a line of it is called, which key of the
+/// scenario a line comes from, and what helps where the arm cannot follow it.
+pub(crate) fn lead_along(
     path: &LaidPath<'_>,
-    key: &dyn Fn(usize) -> String,
+    line_word: &str,
+    (key, otherwise): (&dyn Fn(usize) -> String, &str),
     robot: &Robot,
     start: &StartNear,
 ) -> Result<LedAlong, SimError> {
     let find =
         |robot: &Robot, from: Start<'_>| path.motion(robot, from, KNOT_INTERVAL_S, LONGEST_S);
     let refused = |error: &ProgramError, held: &str| {
-        let edge = error.line().unwrap_or(1) - 1;
+        let line = error.line().unwrap_or(1) - 1;
         let message = error.message();
-        SimError::scenario(key(edge), format!("{message}{held}; {OTHERWISE}"))
+        SimError::scenario(key(line), format!("{message}{held}; {otherwise}"))
     };
     lead_by(
         &find,
-        [path.file, Path::new("edge")],
+        [path.file, Path::new(line_word)],
         robot,
         start,
         &refused,

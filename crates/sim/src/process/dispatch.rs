@@ -2,7 +2,10 @@
 
 use super::setup::{self, ProcessSetup, SetupContext};
 use super::yielding::Yielding;
-use super::{belt, brush, chamfer, custom, load, milling, path_milling, polish, replay, wheel};
+use super::{
+    belt, brush, chamfer, custom, load, milling, path_milling, polish, replay, surface_polish,
+    wheel,
+};
 use crate::error::SimError;
 use truecut_scenario::ProcessSpec;
 
@@ -21,6 +24,7 @@ pub(crate) fn set_up(context: &SetupContext<'_>) -> Result<ProcessSetup, SimErro
         ProcessSpec::PathMilling(spec) => path_milling::setup::setup(spec, context),
         ProcessSpec::Polish(spec) => polish::setup::setup(spec, context),
         ProcessSpec::Replay(spec) => replay::setup::setup(spec, context),
+        ProcessSpec::SurfacePolish(spec) => surface_polish::setup::setup(spec, context),
         ProcessSpec::Wheel(spec) => wheel::setup::setup(spec, context),
     }?;
     if !scenario.attached.is_empty() {

@@ -102,6 +102,8 @@ pub(super) const TEMPLATES: &[Template] = &[
             "polish.edge_force",
             "polish.inward_edge_force",
             "polish.friction_",
+            "surface_polish.normal_force",
+            "surface_polish.friction_",
         ],
     ),
     front(
@@ -135,6 +137,7 @@ pub(super) const TEMPLATES: &[Template] = &[
             "cutting.engaged_depth",
             "wheel.indentation",
             "polish.indentation",
+            "surface_polish.indentation",
             "belt.indentation",
             "brush.shortening",
         ],

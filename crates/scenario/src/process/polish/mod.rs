@@ -28,7 +28,7 @@ use grains::GrainTable;
 use path::RasterTable;
 use precession::PrecessionTable;
 use texture::TextureTable;
-use wheel::PneumaticTable;
+pub(super) use wheel::PneumaticTable;
 
 pub use grains::GrainSpec;
 pub use texture::TextureSpec;
@@ -150,7 +150,7 @@ impl PolishTable {
             let because = "the wheel runs true, eccentricity_um is 0 or not given";
             check.ignored(TABLE, &["eccentricity_angle_deg"], because);
         }
-        let wheel = self.wheel.resolve(check);
+        let wheel = self.wheel.resolve("process.polish.wheel", check);
         check.rim(TABLE, "spin_rpm", self.spin_rpm, wheel.radius_m);
         let face = self.face.resolve(check);
         let path = (face.as_ref()).and_then(|(face, _)| self.path.resolve(face, check));

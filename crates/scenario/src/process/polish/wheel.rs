@@ -1,4 +1,4 @@
-//! The `[process.polish.wheel]` table: an inflated rubber shell.
+//! The `wheel` table of processes that polish: an inflated rubber shell.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -10,7 +10,7 @@ use crate::units::{from_mm, from_mpa};
 /// An inflated rubber sphere.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct PneumaticTable {
+pub(in crate::process) struct PneumaticTable {
     /// Radius of the unloaded wheel.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a wheel has a radius"))]
     radius_mm: f64,
@@ -35,7 +35,8 @@ pub(super) struct PneumaticTable {
 const DEFAULT_POISSON: f64 = 0.49;
 
 impl PneumaticTable {
-    pub(super) fn resolve(self, check: &mut Check) -> PneumaticWheel {
+    /// `table` is the table's path.
+    pub(in crate::process) fn resolve(self, table: &str, check: &mut Check) -> PneumaticWheel {
         let radius_mm = self.radius_mm;
         let shell_thickness_mm = self.shell_thickness_mm;
         if shell_thickness_mm > radius_mm {
@@ -43,7 +44,7 @@ impl PneumaticTable {
                 "is {shell_thickness_mm}, but must be at most radius_mm = {radius_mm}: the \
                  shell fits into the wheel"
             );
-            let (table, label) = ("process.polish.wheel", "thicker than the wheel");
+            let label = "thicker than the wheel";
             check.wrong(table, "shell_thickness_mm", message, label);
         }
         PneumaticWheel {

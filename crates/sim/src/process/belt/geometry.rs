@@ -19,7 +19,7 @@ const SMALL_STEP: f64 = 1e-11;
 
 /// The face under a wheel, in the patch's frame.
 #[derive(Debug, Clone)]
-pub(super) struct FaceGeometry {
+pub(in crate::process) struct FaceGeometry {
     patch: Arc<PatchFile>,
     domain: Domain,
     samples: Vec<(Point3<f64>, [f64; 2])>,
@@ -29,7 +29,7 @@ pub(super) struct FaceGeometry {
 
 /// Where a section of the wheel is nearest to the face.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Section {
+pub(in crate::process) struct Section {
     pub uv: [f64; 2],
     pub point_m: Point3<f64>,
     /// Outward normal of the face.
@@ -42,6 +42,21 @@ pub(super) struct Section {
     pub distance_m: f64,
     /// Curvature of the section, convex positive.
     pub curvature_per_m: f64,
+}
+
+/// The point of the face nearest to another.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::process) struct Foot {
+    pub uv: [f64; 2],
+    pub point_m: Point3<f64>,
+    /// r_u and r_v.
+    pub first_m: [Vector3<f64>; 2],
+    /// Outward normal of the face.
+    pub normal: Unit<Vector3<f64>>,
+    /// Height of the other over the face, along the normal.
+    pub height_m: f64,
+    /// Principal curvatures, convex positive.
+    pub curvatures_per_m: [f64; 2],
 }
 
 impl Section {
@@ -127,14 +142,27 @@ impl FaceGeometry {
         axis: &Vector3<f64>,
         seed: [f64; 2],
     ) -> Option<Section> {
+        let step = |jet: &Jet| newton_step(jet, centre_m, axis);
+        self.converged(seed, step, |uv, jet| {
+            Self::resolved(uv, jet, centre_m, axis)
+        })
+    }
+
+    /// What is found at the place to which Newton's steps lead.
+    fn converged<T>(
+        &self,
+        seed: [f64; 2],
+        step: impl Fn(&Jet) -> Option<Vector2<f64>>,
+        found: impl Fn([f64; 2], &Jet) -> Option<T>,
+    ) -> Option<T> {
         let spans = [self.domain.u, self.domain.v].map(|range| range[1] - range[0]);
         let mut uv = seed;
         for _ in 0..MOST_STEPS {
             let jet = self.jet(uv);
-            let step = newton_step(&jet, centre_m, axis)?;
+            let step = step(&jet)?;
             // Converged: what the step would still change is less than rounding leaves.
             if (0..2).all(|i| step[i].abs() <= SMALL_STEP * spans[i]) {
-                return Self::resolved(uv, &jet, centre_m, axis);
+                return found(uv, &jet);
             }
             for i in 0..2 {
                 uv[i] += step[i].clamp(-0.25 * spans[i], 0.25 * spans[i]);
@@ -169,6 +197,26 @@ impl FaceGeometry {
             to_axis,
             curvature_per_m,
         })
+    }
+
+    /// The point nearest to another, sought from `seed`; none if the search does not come to one.
+    pub fn foot(&self, point_m: &Point3<f64>, seed: [f64; 2]) -> Option<Foot> {
+        self.converged(
+            seed,
+            |jet| foot_step(jet, point_m),
+            |uv, jet| {
+                let forms = Forms::of(jet)?;
+                let curvatures = forms.curvatures();
+                Some(Foot {
+                    uv,
+                    point_m: jet.point_m.into(),
+                    first_m: jet.first_m,
+                    normal: forms.normal,
+                    height_m: (point_m.coords - jet.point_m).dot(&forms.normal),
+                    curvatures_per_m: [curvatures.min_per_m, curvatures.max_per_m],
+                })
+            },
+        )
     }
 
     /// Whether a point of the face lies within the boundary of its patch, if that has one.
@@ -214,6 +262,21 @@ fn newton_step(jet: &Jet, centre_m: &Point3<f64>, axis: &Vector3<f64>) -> Option
     Some(-(inverse * Vector2::new(misses.x / sizes[0], misses.y / sizes[1])))
 }
 
+/// Newton's step in (u, v) towards the nearest point of the face.
+fn foot_step(jet: &Jet, point_m: &Point3<f64>) -> Option<Vector2<f64>> {
+    let ([ru, rv], [ruu, ruv, rvv]) = (jet.first_m, jet.second_m);
+    let off = point_m.coords - jet.point_m;
+    let mixed = ru.dot(&rv) - off.dot(&ruv);
+    let slopes = Matrix2::new(
+        ru.dot(&ru) - off.dot(&ruu),
+        mixed,
+        mixed,
+        rv.dot(&rv) - off.dot(&rvv),
+    );
+    let inverse = slopes.try_inverse()?;
+    Some(inverse * Vector2::new(off.dot(&ru), off.dot(&rv)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -242,6 +305,10 @@ mod tests {
             let across = axis.cross(&forms.normal);
             let curvature = forms.curvature_along_per_m(&across);
             assert!((found.curvature_per_m / curvature - 1.0).abs() < 1e-9);
+            let foot = face.foot(&(centre + jet.first_m[0].normalize() * 1e-9), seed);
+            let foot = foot.unwrap();
+            assert!((foot.height_m - 39.5e-3).abs() < 1e-12);
+            assert!((foot.point_m.coords - jet.point_m).norm() < 5e-9);
             let beside = centre + axis * 10e-3;
             let strip = face.section(&beside, &axis, found.uv).unwrap();
             let way = beside - strip.point_m;

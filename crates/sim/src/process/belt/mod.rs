@@ -17,11 +17,11 @@
 #[cfg(test)]
 mod carrier_tests;
 mod contact;
-mod geometry;
+pub(super) mod geometry;
 mod passes;
-mod report;
+pub(super) mod report;
 pub(crate) mod setup;
-mod surface;
+pub(super) mod surface;
 #[cfg(test)]
 mod tests;
 
@@ -308,7 +308,15 @@ impl Process for Belt {
     /// Of copies that the arm goes to, the first one's is drawn; a turntable brings all to where
     /// that is.
     fn field(&self) -> Option<Field> {
-        Some(report::field(&self.setup))
+        let p = &self.setup;
+        let full_scale = report::FULL_SCALE * p.expected_depth_m;
+        let world_from_patch = p.copies[0].world_from_patch;
+        Some(report::field(
+            &p.cells,
+            &p.patch,
+            &world_from_patch,
+            full_scale,
+        ))
     }
 
     fn field_values(&self) -> Vec<f32> {

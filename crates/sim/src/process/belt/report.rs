@@ -3,50 +3,35 @@
 
 use super::BeltSetup;
 use super::contact::BeltContact;
-use super::surface::{Worn, middles};
+use super::surface::{Cells, Worn, middles};
 use crate::process::Findings;
+use crate::process::pressing::Pressing;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use truecut_core::wheel::force_control::ForceControl;
+use truecut_plan::surface::PatchFile;
 use truecut_recording::{Field, Outcome, Profile, Unit};
 
 /// Depth at which the colours end, over the mean that is expected.
-const FULL_SCALE: f64 = 2.0;
+pub(super) const FULL_SCALE: f64 = 2.0;
 /// Height over the face at which the depth is drawn, so that its outline does not shine through, m.
 const DRAWN_ABOVE_M: f64 = 1e-4;
-
-/// Part of the time at a stop above which a force counts as not held: its larger half. Setting down
-/// and lifting take some thousandths.
-const MOST_STOPPED: f64 = 0.5;
 
 /// What is summed up while the run goes on.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Watch {
     /// `∫ p |v| dA dt`, J.
     preston_j: f64,
-    /// Time in contact, s, and the part of it with the carrier at a stop.
-    contact_s: f64,
-    stopped_s: f64,
-    /// `∫ F dt`, N s.
-    impulse_n_s: f64,
-    /// `∫ F² dt`, N² s.
-    square_n2_s: f64,
-    largest_n: f64,
+    pressing: Pressing,
     indentation_m: f64,
 }
 
 impl Watch {
     pub fn step(&mut self, contact: &BeltContact, at_stop: bool, dt_s: f64) {
         self.preston_j += contact.sliding_w * dt_s;
-        self.impulse_n_s += contact.normal_n * dt_s;
-        self.square_n2_s += contact.normal_n.powi(2) * dt_s;
-        self.largest_n = self.largest_n.max(contact.normal_n);
+        self.pressing.step(contact.normal_n, at_stop, dt_s);
         let depths = contact.strips.iter().map(|strip| strip.indentation_m);
         self.indentation_m = depths.fold(self.indentation_m, f64::max);
-        if contact.normal_n > 0.0 {
-            self.contact_s += dt_s;
-            self.stopped_s += if at_stop { dt_s } else { 0.0 };
-        }
     }
 
     /// Volume that Preston's law takes off by what was given so far, m³.
@@ -57,20 +42,20 @@ impl Watch {
 
 /// Sums over cells of all copies, by their areas.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    area: f64,
+pub(in crate::process) struct Sums {
+    pub area: f64,
     depth: f64,
     square: f64,
-    roughness: f64,
+    pub roughness: f64,
     least: Option<f64>,
-    largest: f64,
-    roughest: f64,
+    pub largest: f64,
+    pub roughest: f64,
     /// Area of cells from which nothing is taken.
-    untouched: f64,
+    pub untouched: f64,
 }
 
 impl Sums {
-    fn add(&mut self, area: f64, depth: f64, roughness: f64) {
+    pub fn add(&mut self, area: f64, depth: f64, roughness: f64) {
         self.area += area;
         self.depth += area * depth;
         self.square += area * depth * depth;
@@ -81,12 +66,12 @@ impl Sums {
         self.untouched += if depth > 0.0 { 0.0 } else { area };
     }
 
-    fn mean_m(&self) -> f64 {
+    pub fn mean_m(&self) -> f64 {
         self.depth / self.area
     }
 
     /// Standard deviation of the depth over its mean.
-    fn unevenness(&self) -> f64 {
+    pub fn unevenness(&self) -> f64 {
         let mean = self.mean_m();
         (self.square / self.area - mean * mean).max(0.0).sqrt() / mean
     }
@@ -147,7 +132,7 @@ pub(super) fn findings(setup: &BeltSetup, worn: &[Worn], watch: &Watch) -> Findi
             .into_iter()
             .collect(),
         beyond: too_deep(setup, [&face, &swept]),
-        overload: at_stop(setup, watch),
+        overload: watch.pressing.at_stop(&setup.control),
         ..Findings::default()
     }
 }
@@ -175,42 +160,24 @@ fn too_deep(setup: &BeltSetup, sums: [&Sums; 2]) -> Option<Outcome> {
     })
 }
 
-/// A force is held while the carrier is free: that it stands at an end of its stroke for most of
-/// the time is another process than the one asked for.
-fn at_stop(setup: &BeltSetup, watch: &Watch) -> Option<Outcome> {
-    let value = watch.stopped_s / watch.contact_s;
-    let holds = setup.control == ForceControl::Position || value.is_nan() || value <= MOST_STOPPED;
-    (!holds).then(|| Outcome::BeyondModel {
-        quantity: "the part of the time on the face during which the carrier stands at an end of its stroke"
-            .to_owned(),
-        value,
-        limit: MOST_STOPPED,
-        rule: "the force is not the one asked for; ask for another force or give a longer stroke \
-               (`run.overload = \"warn\"` leaves the verdict to the claims)"
-            .to_owned(),
-    })
-}
-
 /// How the belt pressed.
 fn pressing(setup: &BeltSetup, watch: &Watch) -> Vec<Quantity> {
-    let mean_n = watch.impulse_n_s / watch.contact_s;
-    let variance = watch.square_n2_s / watch.contact_s - mean_n * mean_n;
+    let pressing = &watch.pressing;
     let indentation = watch.indentation_m / setup.wheel.rubber_m;
-    let stopped = watch.stopped_s / watch.contact_s;
     let mut quantities = vec![
-        Quantity::new("belt.mean_force", Unit::Newton, mean_n)
+        Quantity::new("belt.mean_force", Unit::Newton, pressing.mean_n())
             .text("Mean normal force while the belt is on the face"),
-        Quantity::new("belt.force_spread", Unit::Newton, variance.max(0.0).sqrt())
+        Quantity::new("belt.force_spread", Unit::Newton, pressing.spread_n())
             .text("Standard deviation of the normal force while the belt is on the face, setting down and lifting included"),
-        Quantity::new("belt.largest_force", Unit::Newton, watch.largest_n)
+        Quantity::new("belt.largest_force", Unit::Newton, pressing.largest_n)
             .text("Largest normal force"),
-        Quantity::new("belt.contact_time", Unit::Second, watch.contact_s)
+        Quantity::new("belt.contact_time", Unit::Second, pressing.contact_s)
             .text("Time that the belt is on the face"),
         Quantity::new("belt.largest_indentation", Unit::One, indentation)
             .text("Largest indentation of the wheel over the thickness of its rubber; from 1 on the hub would be on the face"),
     ];
     if setup.control != ForceControl::Position {
-        quantities.push(Quantity::new("belt.carrier_at_stop", Unit::One, stopped)
+        quantities.push(Quantity::new("belt.carrier_at_stop", Unit::One, pressing.stopped())
             .text("Part of the time on the face during which the carrier stands at an end of its stroke, and the force is not the one asked for"));
     }
     quantities
@@ -289,11 +256,16 @@ fn across(setup: &BeltSetup, worn: &Worn) -> Profile {
     }
 }
 
-/// The face of the first copy as it is drawn: cells at their middles, in a frame that looks onto
-/// the middle of the face.
-pub(super) fn field(setup: &BeltSetup) -> Field {
-    let domain = setup.patch.surface.domain();
-    let jet = (setup.patch.surface).jet(
+/// A face as it is drawn, of a belt's copies the first: cells at their middles, in a frame that
+/// looks onto the middle of the face.
+pub(in crate::process) fn field(
+    cells: &Cells,
+    patch: &PatchFile,
+    world_from_patch: &Isometry3<f64>,
+    full_scale: f64,
+) -> Field {
+    let domain = patch.surface.domain();
+    let jet = (patch.surface).jet(
         0.5 * (domain.u[0] + domain.u[1]),
         0.5 * (domain.v[0] + domain.v[1]),
     );
@@ -301,7 +273,7 @@ pub(super) fn field(setup: &BeltSetup) -> Field {
     let z = jet.first_m[0].cross(&jet.first_m[1]).normalize();
     let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]));
     let turn = UnitQuaternion::from_rotation_matrix(&axes);
-    let points = middles(&setup.cells, &setup.patch);
+    let points = middles(cells, patch);
     let flat: Vec<Vector3<f64>> = points.iter().map(|p| turn.inverse() * p.coords).collect();
     let bound =
         |pick: fn(f64, f64) -> f64, i: usize, from: f64| flat.iter().map(|p| p[i]).fold(from, pick);
@@ -310,13 +282,12 @@ pub(super) fn field(setup: &BeltSetup) -> Field {
     let middle = turn.inverse() * jet.point_m;
     let origin = Vector3::new(low[0], low[1], middle.z);
     let patch_from_field = Isometry3::from_parts((turn * origin).into(), turn);
-    let world_from_patch = setup.copies[0].world_from_patch;
     Field {
         path: "removed_depth".into(),
         world_from_field: crate::scene::pose(&(world_from_patch * patch_from_field)),
         size_m: [high[0] - low[0], high[1] - low[1]],
-        cells: setup.cells.count,
-        full_scale: FULL_SCALE * setup.expected_depth_m,
+        cells: cells.count,
+        full_scale,
         unit: Unit::Metre,
         vertices_m: flat
             .iter()
@@ -362,25 +333,5 @@ mod tests {
             assert_eq!([value, limit], [5078.0, bound_m]);
             assert!(outcome(1.01 * bound_m).is_some());
         }
-    }
-
-    /// A carrier at its stop for most of the time on the face holds no force; without one there is
-    /// nothing to hold, and without contact nothing to tell.
-    #[test]
-    fn a_carrier_that_stands_at_its_stop_fails_the_run() {
-        let by_path = plane(WHEEL);
-        let held = BeltSetup {
-            control: HELD,
-            ..by_path.clone()
-        };
-        let watch = |stopped_s: f64, contact_s: f64| Watch {
-            stopped_s,
-            contact_s,
-            ..Watch::default()
-        };
-        assert!(at_stop(&held, &watch(2.0, 2.0)).is_some());
-        assert_eq!(at_stop(&held, &watch(0.9, 2.0)), None);
-        assert_eq!(at_stop(&held, &watch(0.0, 0.0)), None);
-        assert_eq!(at_stop(&by_path, &watch(2.0, 2.0)), None);
     }
 }

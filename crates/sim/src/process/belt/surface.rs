@@ -3,7 +3,7 @@
 use super::BeltSetup;
 use super::contact::{STRIPS, Strip};
 use crate::process::pending_removal::PendingRemoval;
-use nalgebra::{Matrix2, Point3, Vector2};
+use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 use truecut_core::wheel::patch::EdgePoint;
 use truecut_core::wheel::removal::{Placement, SurfaceGrid};
 use truecut_plan::surface::PatchFile;
@@ -57,7 +57,7 @@ impl Cells {
     }
 
     /// Parameters in cells from the outer corner of the first.
-    fn place(&self, uv: [f64; 2]) -> Vector2<f64> {
+    pub(in crate::process) fn place(&self, uv: [f64; 2]) -> Vector2<f64> {
         Vector2::from([0, 1].map(|i| (uv[i] - self.from[i]) / self.size[i]))
     }
 
@@ -104,7 +104,9 @@ impl Worn {
         dt_s: f64,
     ) {
         for (strip, edge) in edges {
-            let placement = placement(&setup.cells, strip, setup.cells.place(strip.uv));
+            let axes = [strip.x, strip.y];
+            let at_cells = setup.cells.place(strip.uv);
+            let placement = placement(&setup.cells, &strip.first_m, axes, at_cells);
             let energy_j = edge.sliding_w * dt_s;
             (self.grid).give_at(
                 &placement,
@@ -141,7 +143,8 @@ impl Worn {
             return;
         };
         let strip = dose.contact;
-        let placement = placement(&setup.cells, &strip, dose.at_cells);
+        let axes = [strip.x, strip.y];
+        let placement = placement(&setup.cells, &strip.first_m, axes, dose.at_cells);
         let across = placement.patch_from_cells_m.row(1);
         let cell_m = across[0].abs() + across[1].abs();
         let half_m = strip.half_width_m;
@@ -167,11 +170,16 @@ impl Worn {
     }
 }
 
-/// Where a strip lies on the grid, the face being flat over the strip.
-fn placement(cells: &Cells, strip: &Strip, at_cells: Vector2<f64>) -> Placement {
+/// Where a contact with two axes in the face lies on the grid, the face being flat over it.
+pub(in crate::process) fn placement(
+    cells: &Cells,
+    first_m: &[Vector3<f64>; 2],
+    axes: [Vector3<f64>; 2],
+    at_cells: Vector2<f64>,
+) -> Placement {
     let [column, row] = [0, 1].map(|i| {
-        let way = strip.first_m[i] * cells.size[i];
-        Vector2::new(way.dot(&strip.x), way.dot(&strip.y))
+        let way = first_m[i] * cells.size[i];
+        Vector2::new(way.dot(&axes[0]), way.dot(&axes[1]))
     });
     Placement {
         at_cells,
