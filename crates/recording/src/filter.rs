@@ -149,8 +149,8 @@ pub fn differentiate(values: &[f64], interval_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Derivative of uniform samples by differences of sixth order, small by x^6 / 140 at a frequency of
-/// x radians an interval; within three samples of an end as [`differentiate`].
+/// Derivative of uniform samples by differences of sixth order, small by x^6 / 140 at a frequency
+/// of x radians an interval; within three samples of an end as [`differentiate`].
 ///
 /// # Panics
 /// If the interval is not positive.

@@ -110,8 +110,8 @@ impl Search<'_, '_> {
     }
 }
 
-/// What changes no output by more than this part of what it does by itself is lost in the error of the
-/// simulation itself (benches/README.md).
+/// What changes no output by more than this part of what it does by itself is lost in the error of
+/// the simulation (benches/README.md).
 const NUMERICAL: f64 = 5e-4;
 
 /// Whether two models differ by more than the simulation errs.

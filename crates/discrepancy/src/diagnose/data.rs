@@ -134,8 +134,9 @@ impl Observation {
         Ok(())
     }
 
-    /// Deviation of what an output does by itself at the rows: a joint that follows its command does
-    /// so in the simulation, too, however far, and what that errs by is a part of the difference.
+    /// Deviation of what an output does by itself at the rows: a joint that follows its command
+    /// does so in the simulation, too, however far, and what that errs by is a part of the
+    /// difference.
     pub(super) fn own_motion(&self, output: usize, rows: &[usize]) -> f64 {
         let measured = &self.outputs[output].values;
         let beside = |known: Option<&Regressor>| {

@@ -10,11 +10,11 @@ use truecut_plan::motion::excitation::SampledMotion;
 use truecut_recording::Role;
 use truecut_recording::filter::{Butterworth, differentiate, differentiate_sixth_order};
 
-/// Samples in a period of the cutoff from which on central differences are taken, as published:
-/// coordinates are to be smoothed at ten times the motion's frequency, and sampled at a hundred
-/// times (`gautier1997`). In fewer they make accelerations small that the filter lets pass: by .13 %
-/// for a motion of 0.6 Hz at 60 Hz, which was told as a gain of every drive force.
-const CENTRAL_FROM: f64 = 10.0;
+/// Samples in a period of the cutoff from which on central differences are taken, as published
+/// (`gautier1997`, `janot2014`): they pass less noise. In fewer they make accelerations small that
+/// the filter lets pass: by .13 % for a motion of 0.6 Hz at 60 Hz, which was told as a gain of
+/// every drive force.
+const CENTRAL_FROM: f64 = 5.0;
 
 /// Motion of every joint, `[joint][sample]`, and the gravity that it happens under.
 #[derive(Debug, Clone)]

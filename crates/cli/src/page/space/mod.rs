@@ -368,7 +368,8 @@ impl MeshData {
     }
 }
 
-/// To a hundredth of a millimetre, or of a milliradian. A quotient: digits of a product would be many.
+/// To a hundredth of a millimetre, or of a milliradian. A quotient: digits of a product would be
+/// many.
 fn rounded(value: f64) -> f64 {
     (value * 1e5).round() / 1e5
 }
