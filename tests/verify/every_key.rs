@@ -69,7 +69,7 @@ const PATH_MILLING_ROUND: &str = include_str!("every_key/path_milling_round.toml
 const BRUSH: &str = include_str!("every_key/brush.toml");
 /// Around a pocket: its sides are fed at the feed, in its corners the wrist is as fast as its share
 /// lets it, and the step of points counts. The side to which it tilts is one of two, and written so
-/// that it is not changed.
+/// that it is not changed: this arm cannot follow to the other (`edge_path` has tests of both).
 const BRUSH_ALONG: &str = include_str!("every_key/brush_along.toml");
 
 /// Point, deviation and direction of the face are written so that they are not changed: another

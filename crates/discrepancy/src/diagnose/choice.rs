@@ -121,7 +121,7 @@ fn is_beyond_numerics(problem: &Problem, small: &Fit, large: &Fit) -> bool {
     change
         .iter()
         .enumerate()
-        .any(|(c, change)| *change > NUMERICAL * problem.data.own_motion(c, &rows.per_channel[c]))
+        .any(|(c, change)| *change > NUMERICAL * problem.own_motion[c])
 }
 
 /// Bayesian information criterion on training and validation rows together, with noise of the given

@@ -26,6 +26,8 @@ pub(super) struct Problem<'a> {
     pub split: Split,
     /// Least innovation that noise can have, for each channel: data have finitely many digits.
     pub floor: Vec<f64>,
+    /// Of each channel, what it does by itself in the part that is searched.
+    pub own_motion: Vec<f64>,
     /// What is known of each channel's noise.
     pub known: Vec<Option<Floor>>,
     pub(super) budget: Budget<'a>,
@@ -120,6 +122,7 @@ impl<'a> Problem<'a> {
             .flat_map(|curve| PLACES.map(|places| of_places(curve, places)))
             .unzip();
         let searched = model.candidates();
+        let split = Split::new(data);
         Problem {
             model,
             data,
@@ -129,7 +132,10 @@ impl<'a> Problem<'a> {
             curves: given,
             late: model.late(),
             nominal: model.nominal(),
-            split: Split::new(data),
+            own_motion: (split.development.per_channel.iter().enumerate())
+                .map(|(c, rows)| data.own_motion(c, rows))
+                .collect(),
+            split,
             floor: floor.collect(),
             known: floors(data),
             budget: Budget::new(options, progress),

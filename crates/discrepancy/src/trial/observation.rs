@@ -125,7 +125,7 @@ pub(super) fn add_motion(
         fine.push(Regressor::new(name, channel.values.clone()));
     }
     // With noise a joint may go too far beyond its limits: then nothing is known of it.
-    let sizes = of_inputs(scenario, measured).unwrap_or_default();
+    let sizes = of_inputs(model, scenario, measured).unwrap_or_default();
     for (output, size) in observation.outputs.iter_mut().zip(sizes) {
         output.noise_of_inputs = size;
     }

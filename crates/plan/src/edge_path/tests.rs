@@ -164,7 +164,8 @@ fn verify_the_indentation_is_the_same_all_around_a_closed_edge() {
     }
 }
 
-/// An edge of a block, run over from the end that the point is nearer to, and tilted.
+/// An edge of a block, run over from the end that the point is nearer to, and tilted to either
+/// side.
 #[test]
 fn verify_a_straight_edge_is_run_over_with_its_leads_and_tilt() {
     let (vertices, triangles) = crate::surface::mesh_tests::block();
@@ -173,42 +174,44 @@ fn verify_a_straight_edge_is_run_over_with_its_leads_and_tilt() {
     let edge = mesh.edge_at(&picked, CREASE_RAD).expect("an edge");
     assert!(!edge.closed && edge.points_m.len() == 2);
     let edges = [edge.clone().reversed(), edge];
-    let mut laying = laying([0.5; 4]);
-    laying.tilt = Some(Tilt {
-        angle_rad: 0.25,
-        towards: Vector3::z_axis(),
-    });
-    let path = laying.path(&edges).expect("a way");
-    assert_eq!(path.points.len(), 8);
-    let angle = FRAC_PI_4 + 0.25;
-    let off = Vector3::new(0.0, -angle.cos(), angle.sin());
-    let (deep_m, high_m) = (
-        laying.radius_m - laying.indentation_m,
-        laying.radius_m + laying.lift_m,
-    );
-    let run = [
-        (-laying.lead_m, high_m),
-        (-laying.lead_m, deep_m),
-        (0.1 + laying.lead_m, deep_m),
-        (0.1 + laying.lead_m, high_m),
-    ];
-    let expected = run
-        .into_iter()
-        .chain(run.into_iter().map(|(x, h)| (0.1 - x, h)));
-    for (k, (point, (x, stands_off_m))) in path.points.iter().zip(expected).enumerate() {
-        let place_m = Vector3::new(x, 0.0, 0.02) + off * stands_off_m;
-        assert!(
-            (point.place_m - place_m).norm() < 1e-12,
-            "{k}: {}",
-            point.place_m
+    for towards in [Vector3::z_axis(), -Vector3::z_axis()] {
+        let mut laying = laying([0.5; 4]);
+        laying.tilt = Some(Tilt {
+            angle_rad: 0.25,
+            towards,
+        });
+        let path = laying.path(&edges).expect("a way");
+        assert_eq!(path.points.len(), 8);
+        let angle = FRAC_PI_4 + 0.25 * towards.z;
+        let off = Vector3::new(0.0, -angle.cos(), angle.sin());
+        let (deep_m, high_m) = (
+            laying.radius_m - laying.indentation_m,
+            laying.radius_m + laying.lift_m,
         );
-        let along = if k < 4 { Vector3::x() } else { -Vector3::x() };
-        assert!((pose(point) * Vector3::y() - along).norm() < 1e-12);
-        assert!((pose(point) * Vector3::z() + off).norm() < 1e-12);
-        assert_eq!(
-            (point.line, point.feed_m_per_s.is_none()),
-            (k / 4 + 1, k % 4 == 0)
-        );
+        let run = [
+            (-laying.lead_m, high_m),
+            (-laying.lead_m, deep_m),
+            (0.1 + laying.lead_m, deep_m),
+            (0.1 + laying.lead_m, high_m),
+        ];
+        let expected = run
+            .into_iter()
+            .chain(run.into_iter().map(|(x, h)| (0.1 - x, h)));
+        for (k, (point, (x, stands_off_m))) in path.points.iter().zip(expected).enumerate() {
+            let place_m = Vector3::new(x, 0.0, 0.02) + off * stands_off_m;
+            assert!(
+                (point.place_m - place_m).norm() < 1e-12,
+                "{k}: {}",
+                point.place_m
+            );
+            let along = if k < 4 { Vector3::x() } else { -Vector3::x() };
+            assert!((pose(point) * Vector3::y() - along).norm() < 1e-12);
+            assert!((pose(point) * Vector3::z() + off).norm() < 1e-12);
+            assert_eq!(
+                (point.line, point.feed_m_per_s.is_none()),
+                (k / 4 + 1, k % 4 == 0)
+            );
+        }
     }
 }
 

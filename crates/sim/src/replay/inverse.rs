@@ -14,7 +14,7 @@ use super::drive_forces::{FILTER_ORDER, filtered};
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::Motion;
 use super::regressors::BodyRegressors;
-use super::rigid::{Forces, forces, nominal};
+use super::rigid::{Forces, forces, nominal, without_friction};
 use super::{check_part, in_force, refused, sense};
 use crate::channels::drive_spec;
 use crate::effect::{Effects, JointEffects, Payload, build_in};
@@ -111,6 +111,12 @@ impl InverseModel {
         let robot = robots.robot(spec)?;
         robot.refuse_followers(crate::build::NO_FOLLOWERS)?;
         Ok(nominal(&robot, &self.motion, &self.joints, &self.filter))
+    }
+
+    /// Drive forces of links and rotors alone, without friction and effects, filtered: one column
+    /// for each of [`InverseModel::channels`].
+    pub fn without_friction(&self) -> Vec<Vec<f64>> {
+        without_friction(&self.robot, &self.motion, &self.joints, &self.filter)
     }
 
     /// What is predicted, in order: the drive forces that were measured.

@@ -38,22 +38,50 @@ pub(super) fn forces(
     filter: &Butterworth,
 ) -> Forces {
     let mut passed_on = motion.inverse_dynamics(&mut Dynamics::new(robot), gravity_m_s2, joints);
-    let mut drive = Vec::with_capacity(joints.len());
     for (column, &joint) in passed_on.iter_mut().zip(joints) {
         let transmission = &robot.chain.joints[joint].transmission;
         let friction = LinkFriction::coulomb(transmission.dry_friction);
         for (sum, v) in column.iter_mut().zip(&motion.velocity[joint]) {
             *sum += friction.force(*v);
         }
-        let with_rotor = column.iter().zip(&motion.acceleration[joint]);
-        let with_rotor: Vec<f64> = with_rotor
-            .map(|(passed_on, a)| passed_on + transmission.rotor_inertia * a)
-            .collect();
-        drive.push(filter.zero_phase(&with_rotor));
     }
+    let drive = with_rotors(robot, motion, joints, filter, &passed_on);
     Forces {
         robot: Arc::clone(robot),
         drive,
         passed_on,
     }
+}
+
+/// Drive forces of links and rotors alone, filtered, `[joint][sample]`: no friction, which is
+/// another law at each side of standstill.
+pub(super) fn without_friction(
+    robot: &Robot,
+    motion: &Motion,
+    joints: &[usize],
+    filter: &Butterworth,
+) -> Vec<Vec<f64>> {
+    let dynamics = &mut Dynamics::new(robot);
+    let passed_on = motion.inverse_dynamics(dynamics, &motion.gravity_m_s2, joints);
+    with_rotors(robot, motion, joints, filter, &passed_on)
+}
+
+/// What drives give for what transmissions pass on, filtered.
+fn with_rotors(
+    robot: &Robot,
+    motion: &Motion,
+    joints: &[usize],
+    filter: &Butterworth,
+    passed_on: &[Vec<f64>],
+) -> Vec<Vec<f64>> {
+    let columns = passed_on.iter().zip(joints);
+    let drive = columns.map(|(column, &joint)| {
+        let inertia = robot.chain.joints[joint].transmission.rotor_inertia;
+        let pairs = column.iter().zip(&motion.acceleration[joint]);
+        let sum: Vec<f64> = pairs
+            .map(|(passed_on, a)| passed_on + inertia * a)
+            .collect();
+        filter.zero_phase(&sum)
+    });
+    drive.collect()
 }

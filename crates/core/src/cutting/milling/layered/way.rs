@@ -133,16 +133,17 @@ pub fn follow(
     let radius_m = profile.radius_m;
     let levels_m = depths_m(legs);
     let mut depths = levels_m.clone();
-    if !profile.is_flat() {
-        depths.extend(round::depths_m(&levels_m, profile, &block, grid_m));
-        sorted(&mut depths);
-    }
     if let Some(solid) = solid {
         depths.extend(solid.depths_m(grid_m));
         sorted(&mut depths);
     }
+    let about_corners = match profile.is_flat() {
+        true => Vec::new(),
+        false => round::depths_m(&levels_m, profile, &block, grid_m),
+    };
     let whole = |depths: &[f64]| {
-        let mut stock = LayeredStock::new(block, holes, grid_m, depths);
+        let divided = divided(depths.to_vec(), &about_corners, &block);
+        let mut stock = LayeredStock::new(block, holes, grid_m, &divided);
         if let Some(solid) = solid {
             stock.keep_within(solid);
         }
@@ -152,8 +153,13 @@ pub fn follow(
     let mut sinks = vec![false; legs.len()];
     if ends_cut {
         sinks = sinking::sinking(legs, &mut stock, profile);
-        depths.extend(sinking::depths_m(legs, &sinks, &block, &stock, profile));
-        sorted(&mut depths);
+        let sunk = sinking::depths_m(legs, &sinks, &block, &stock, profile);
+        if profile.is_flat() {
+            depths.extend(sunk);
+            sorted(&mut depths);
+        } else {
+            depths = divided(depths, &sunk, &block);
+        }
         stock = whole(&depths);
     }
     let piece_m = sinking::piece_m(&stock, profile);
@@ -242,6 +248,28 @@ fn depths_m(legs: &[Leg]) -> Vec<f64> {
     let level = legs.iter().filter(|leg| !leg.rapid && leg.is_level());
     let mut depths: Vec<f64> = level.map(|leg| leg.from_m.z).collect();
     sorted(&mut depths);
+    depths
+}
+
+/// Of the block's diagonal: a layer that corners and slopes are divided by is no thinner, or the
+/// triangles of its sides pass for faults of the mesh.
+const LEAST_LAYER: f64 = 2e-4;
+
+/// Layers divided at further heights, but those so near to one that is there, or to a face of the
+/// block, that a layer would be too thin. Rising order before and after.
+fn divided(mut depths: Vec<f64>, further: &[f64], block: &Block) -> Vec<f64> {
+    let (least, most) = (block.least_m, block.most_m);
+    let least_m = LEAST_LAYER * (most - least).norm();
+    for &z in further {
+        let at = depths.partition_point(|there| *there < z);
+        let below = at
+            .checked_sub(1)
+            .map_or(least.z, |before| depths[before].max(least.z));
+        let above = depths.get(at).map_or(most.z, |next| next.min(most.z));
+        if z - below >= least_m && above - z >= least_m {
+            depths.insert(at, z);
+        }
+    }
     depths
 }
 
