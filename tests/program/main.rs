@@ -386,6 +386,13 @@ fn the_schema_is_json_and_robots_are_described() {
         .map(|row| row.split(',').next().unwrap().parse().unwrap())
         .collect();
     assert!((x[1] - x[0] - 0.01).abs() < 1e-12, "{table}");
+    // One posture is written beside the option.
+    for (posture, row) in [("0,0,0", 1), ("0.01,0,0", 2)] {
+        let one = desk.ends(0, &["robot", urdf, "--fk", posture]);
+        assert_eq!(one.lines().nth(1), table.lines().nth(row), "{one}");
+    }
+    desk.refused(&["robot", urdf, "--fk", "0,0"], &["--fk"]);
+    desk.refused(&["robot", urdf, "--fk", "none.csv"], &["none.csv"]);
 }
 
 #[test]

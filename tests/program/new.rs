@@ -36,6 +36,106 @@ fn every_scenario_to_begin_with_runs_on_arms_of_two_makers() {
     }
 }
 
+/// Two axes, a quill and a flange that hangs head down, as the file of such an arm has it; the tool
+/// points where `roll` turns it.
+fn scara(desk: &Desk, roll: &str) -> String {
+    let inertia = |mass: f64, far: f64| {
+        let (slim, wide) = (mass * 1e-3, mass * (1e-3 + far * far / 3.0));
+        format!(
+            "<inertial><origin xyz=\"{far} 0 0\"/><mass value=\"{mass}\"/><inertia ixx=\"{slim}\" \
+             iyy=\"{wide}\" izz=\"{wide}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>"
+        )
+    };
+    let mut text = "<robot name=\"scara\"><link name=\"l0\"/>".to_owned();
+    for (at, (kind, xyz, axis, range, effort, mass, far)) in [
+        (
+            "revolute",
+            "0 0 0.42",
+            "0 0 1",
+            (-2.3, 2.3),
+            300.0,
+            7.0,
+            0.17,
+        ),
+        (
+            "revolute",
+            "0.35 0 0",
+            "0 0 1",
+            (-2.5, 2.5),
+            150.0,
+            5.0,
+            0.14,
+        ),
+        (
+            "prismatic",
+            "0.27 0 0",
+            "0 0 -1",
+            (0.0, 0.21),
+            900.0,
+            1.6,
+            0.0,
+        ),
+        (
+            "revolute",
+            "0 0 -0.1",
+            "0 0 -1",
+            (-6.2, 6.2),
+            40.0,
+            0.4,
+            0.0,
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let (low, high) = range;
+        text += &format!(
+            "<link name=\"l{0}\">{1}</link><joint name=\"j{0}\" type=\"{kind}\"><parent \
+             link=\"l{at}\"/><child link=\"l{0}\"/><origin xyz=\"{xyz}\"/><axis xyz=\"{axis}\"/><limit \
+             lower=\"{low}\" upper=\"{high}\" effort=\"{effort}\" velocity=\"3\"/></joint>",
+            at + 1,
+            inertia(mass, far)
+        );
+    }
+    std::fs::write(desk.path("scara.urdf"), text + "</robot>").unwrap();
+    desk.ends(
+        0,
+        &["robot", "init", "scara.urdf", "--payload", "6", "--force"],
+    );
+    let config = std::fs::read_to_string(desk.path("robot.toml")).unwrap();
+    let straight = "[frames.tool]\nxyz_m = [0.0, 0.0, 0.0]\nrpy_deg = [0.0";
+    assert!(config.contains(straight), "{config}");
+    let turned = straight.replace("rpy_deg = [0.0", &format!("rpy_deg = [{roll}"));
+    let config = config.replacen(straight, &turned, 1);
+    std::fs::write(desk.path("robot.toml"), config).unwrap();
+    "scara.urdf".to_owned()
+}
+
+/// Slides are given in mm beside the angles, and a tool that never points down is told.
+#[test]
+fn an_arm_with_a_slide_has_scenarios_to_begin_with() {
+    let desk = Desk::new();
+    let urdf = scara(&desk, "180.0");
+    for process in ["load", "chamfer", "milling", "polish"] {
+        let file = format!("{process}.toml");
+        desk.ends(0, &["new", process, "--robot", &urdf, "-o", &file]);
+        let output = desk.truecut(&["run", &file, "--no-rrd"]);
+        let out = String::from_utf8_lossy(&output.stdout);
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{file}: {out}");
+        assert!(out.contains("completed"), "{file}: {out}");
+    }
+    let given = ["--posture-deg", "10,40,120,-5"];
+    let call = ["new", "load", "--robot", &urdf, "-o", "own.toml"];
+    desk.ends(0, &[&call[..], &given].concat());
+    let text = std::fs::read_to_string(desk.path("own.toml")).unwrap();
+    assert!(text.contains("posture_deg = [10.0, 40.0, -5.0]"), "{text}");
+    assert!(text.contains("posture_mm = [120.0]"), "{text}");
+    let urdf = scara(&desk, "0.0");
+    let call = ["new", "milling", "--robot", &urdf, "-o", "up.toml"];
+    let told = "its z axis is (0.000, 0.000, 1.000) in every posture";
+    desk.refused(&call, &[told, "[frames.tool] in robot.toml"]);
+}
+
 #[test]
 fn what_is_given_is_taken() {
     let desk = Desk::new();
@@ -83,7 +183,7 @@ fn what_is_given_is_taken() {
             "load",
             &urdf,
             &["--posture-deg", "1,2"],
-            "has 2 values, but the chain has 6 rotary joints",
+            "has 2 values, but the chain has 6 joints, slides included",
         ),
         ("load", &"none.urdf".to_owned(), &[], "none.urdf"),
         ("load", &rig, &[], "truecut robot init"),

@@ -104,6 +104,52 @@ fn lobes_draws_tabulates_and_runs() {
     );
 }
 
+/// Along a path from CAM the keys that are told make a scenario that runs, and options of straight
+/// cuts are refused.
+#[test]
+fn a_posture_along_a_path_can_be_taken() {
+    let desk = Desk::new();
+    let example = repository().join("scenarios/milling/pocket.toml");
+    let name = example.to_str().unwrap();
+    let printed = told(&desk, &["posture", name, "--runs", "1"]);
+    for wanted in [
+        "best posture",
+        "scenario's own",
+        "in the best posture",
+        "completed",
+    ] {
+        assert!(printed.contains(wanted), "{wanted}:\n{printed}");
+    }
+    assert!(!printed.contains("as the scenario has it"), "{printed}");
+    let at = desk.path("out/pocket/posture.json");
+    let json: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(at).unwrap()).unwrap();
+    let keys = json["keys"].as_object().unwrap();
+    assert!(
+        keys.contains_key("process.path_milling.path.spin_deg"),
+        "{keys:?}"
+    );
+    let mut call = vec!["run".to_owned(), name.to_owned(), "--no-rrd".to_owned()];
+    for (key, value) in keys {
+        call.extend([
+            "--set".to_owned(),
+            format!("{key}={}", value.as_str().unwrap()),
+        ]);
+    }
+    let call: Vec<&str> = call.iter().map(String::as_str).collect();
+    told(&desk, &call);
+    desk.refused(
+        &["posture", name, "--maps"],
+        &["--maps is for [process.milling]"],
+    );
+    let straight = repository().join(PATH_600);
+    let straight = straight.to_str().unwrap();
+    desk.refused(
+        &["posture", straight, "--runs", "1"],
+        &["--runs is for milling along a path"],
+    );
+}
+
 #[test]
 fn posture_writes_a_scenario_that_runs() {
     let desk = Desk::new();

@@ -14,10 +14,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 
 
-@pytest.fixture(scope="session")
-def python(tmp_path_factory) -> Path:
-    """The interpreter of a fresh venv with the wheel and nothing else."""
-    folder = tmp_path_factory.mktemp("wheel")
+def made(folder: Path) -> Path:
+    """The interpreter of a fresh venv in a folder with the wheel, which lies in `dist` there, and nothing else."""
     command = [Path(sys.executable).parent / "maturin", "build", "--release", "--out", folder / "dist"]
     command += ["--manifest-path", ROOT / "crates" / "python" / "Cargo.toml", "--target-dir", ROOT / "target"]
     # the interpreter that it finds does not matter: one wheel is for all from 3.10 on
@@ -30,6 +28,12 @@ def python(tmp_path_factory) -> Path:
     install = [sys.executable, "-m", "pip", "--python", found, "install", "--quiet", "--no-index", wheel]
     subprocess.run(install, check=True)
     return found
+
+
+@pytest.fixture(scope="session")
+def python(tmp_path_factory) -> Path:
+    """The interpreter of a fresh venv with the wheel and nothing else."""
+    return made(tmp_path_factory.mktemp("wheel"))
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,7 @@ import json
 import re
 import signal
 import subprocess
+import sys
 import time
 
 import pytest
@@ -19,10 +20,8 @@ def test_importing_needs_nothing_else(python):
     if next((python.parents[1] / "lib").rglob("of_tests.pth"), None):
         pytest.skip("another test has put packages beside it")
     script = """
-import sys, time
-begun = time.perf_counter()
+import sys
 import truecut
-took = time.perf_counter() - begun
 assert not {"numpy", "pyarrow", "pandas"} & set(sys.modules)
 r = truecut.load("scenarios/arm/static_load.toml").run(engine="reduced")
 assert len(r) > 1 and r.outcome == "completed", r
@@ -33,9 +32,8 @@ except ModuleNotFoundError as error:
     assert error.name == "numpy"
 else:
     raise AssertionError("numpy is not there")
-print(took)
 """
-    assert float(run(python, script)) < 0.5
+    run(python, script)
 
 
 def test_the_page_runs(with_arrays):
@@ -67,6 +65,21 @@ first, second = (pyarrow.table(recording)["time"].chunk(0).buffers()[1].address 
 assert first == second
 """
     run(with_arrays, script)
+
+
+def test_the_wheel_keeps_to_the_stable_abi(python):
+    """Every symbol of Python that the module asks for is in the stable ABI of 3.10: abi3audit looks at all."""
+    (wheel,) = (python.parents[2] / "dist").glob("truecut-*.whl")
+    audit = [sys.executable, "-m", "abi3audit", "--strict", "--report", wheel]
+    ended = subprocess.run(audit, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    [(_, told)] = json.loads(ended.stdout)["specs"].items()
+    libraries = told["wheel"]
+    assert libraries, told
+    for library in libraries:
+        result = library["result"]
+        assert result["is_abi3"] and result["is_abi3_baseline_compatible"] and result["baseline"] == "3.10", result
+        assert not result["non_abi3_symbols"] and not result["future_abi3_objects"], result
 
 
 def test_errors_have_their_place(python, tmp_path):
@@ -198,6 +211,14 @@ print(first, later)
 assert later < 1.1 * first + 4000, (first, later)
 """
     run(with_arrays, script)
+
+
+def test_its_bench_runs(python):
+    bench = [sys.executable, ROOT / "benches" / "wheel.py", "--short", "--python", python]
+    ended = subprocess.run(bench, cwd=ROOT, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
+    told = ended.stdout.splitlines()
+    assert told[0].startswith("import: ") and "processor time" in told[1] and len(told) == 8, told
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -263,7 +263,7 @@ pub enum ArmErrorKind {
     )]
     SingularCompliance,
     #[error(
-        "pose not reached from this seed: after {iterations} steps {position_m} m and {angle_rad} rad are left (limits {position_limit_m} m, {angle_limit_rad} rad)"
+        "pose not reached from this seed: after {iterations} steps {position_m:.3e} m and {angle_rad:.3e} rad are left (limits {position_limit_m:e} m, {angle_limit_rad:e} rad)"
     )]
     Unreachable {
         iterations: usize,

@@ -24,7 +24,7 @@ pub use runs::{
     CheckArguments, CompareArguments, CrosscheckArguments, DiagnoseArguments, ExciteArguments,
     FitArguments, RunArguments,
 };
-pub use stability::{LobesArguments, PostureArguments};
+pub use stability::{CriterionName, LobesArguments, PostureArguments};
 pub use sweep::{SweepArguments, Workers};
 
 /// Physics-backed simulation of robotic machining.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use truecut::outputs::write_file;
@@ -41,6 +42,7 @@ pub fn new(arguments: &NewArguments) -> Result<ExitStatus, Failure> {
         ..Reading::default()
     };
     let robot = Robot::read(&arguments.robot, &reading).map_err(|error| Failure::arm(&error))?;
+    check_count(arguments, &robot)?;
     let mut last: Option<String> = None;
     let mut is_one = true;
     for start in starts(arguments, &robot, place_leads) {
@@ -64,6 +66,16 @@ pub fn new(arguments: &NewArguments) -> Result<ExitStatus, Failure> {
     let is_given = arguments.posture_deg.is_some() || arguments.place_mm.is_some();
     if let Some(fault) = last.as_ref().filter(|_| is_given) {
         return Err(Failure::message(fault));
+    }
+    if let Some([x, y, z]) = lasting_axis(&robot).filter(|axis| place_leads && axis[2] > -0.999) {
+        return Err(Failure::with_help(
+            format!(
+                "the tool cannot work from above: its z axis is ({x:.3}, {y:.3}, {z:.3}) in every \
+                 posture of this arm"
+            ),
+            "rpy_deg of [frames.tool] in robot.toml turns the tool against the flange: its z axis \
+             points into the workpiece",
+        ));
     }
     // What is wrong everywhere has nothing to do with the start.
     if let Some(fault) = last.as_ref().filter(|_| is_one) {
@@ -112,6 +124,18 @@ fn refuse_idle(arguments: &NewArguments, place_leads: bool) -> Result<(), Failur
     Ok(())
 }
 
+/// A posture has a value for each joint.
+fn check_count(arguments: &NewArguments, robot: &Robot) -> Result<(), Failure> {
+    let joints = robot.dof();
+    match &arguments.posture_deg {
+        Some(given) if given.len() != joints => Err(Failure::message(format!(
+            "--posture-deg has {} values, but the chain has {joints} joints, slides included",
+            given.len()
+        ))),
+        _ => Ok(()),
+    }
+}
+
 /// Where the tool begins.
 enum Start {
     /// Of the joints, in degrees or mm.
@@ -151,6 +175,18 @@ fn starts(arguments: &NewArguments, robot: &Robot, place_leads: bool) -> Vec<Sta
     drawn.into_iter().map(shown).collect()
 }
 
+/// The tool's z axis in the world where no joint turns it, as on arms that move parts from above.
+fn lasting_axis(robot: &Robot) -> Option<[f64; 3]> {
+    let axis = |posture: &Vec<f64>| {
+        let tool = robot.world_from_frame(posture, FrameId::Tool);
+        tool.rotation * Vector3::z()
+    };
+    let axes: Vec<Vector3<f64>> = postures(robot).iter().map(axis).collect();
+    let first = *axes.first()?;
+    let lasts = axes.iter().all(|axis| (axis - first).norm() < 1e-6);
+    lasts.then(|| first.into())
+}
+
 /// Postures within the middle of the limits, the best conditioned first.
 fn postures(robot: &Robot) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(1);
@@ -173,6 +209,21 @@ fn postures(robot: &Robot) -> Vec<Vec<f64>> {
         .collect();
     drawn.sort_by(|a, b| b.0.total_cmp(&a.0));
     drawn.into_iter().map(|(_, posture)| posture).collect()
+}
+
+/// Where the joints stand, degrees or mm in chain order, as a scenario gives it: slides apart.
+fn posture_keys(robot: &Robot, values: &[f64]) -> String {
+    let of = |kind: JointKind| -> Vec<f64> {
+        let joints = robot.chain.joints.iter().zip(values);
+        let joints = joints.filter(|(joint, _)| joint.kind == kind);
+        joints.map(|(_, value)| *value).collect()
+    };
+    [("deg", JointKind::Revolute), ("mm", JointKind::Prismatic)]
+        .map(|(unit, kind)| (unit, of(kind)))
+        .into_iter()
+        .filter(|(_, values)| !values.is_empty())
+        .map(|(unit, values)| format!("\nposture_{unit} = {values:?}"))
+        .collect()
 }
 
 /// The template with everything in its place.
@@ -207,7 +258,7 @@ fn filled(arguments: &NewArguments, robot: &Robot, start: &Start) -> Result<Stri
         .replace("@CONFIG@", &config);
     match start {
         Start::Posture(values) => {
-            text = text.replace("@POSTURE@", &format!("\nposture_deg = {values:?}"));
+            text = text.replace("@POSTURE@", &posture_keys(robot, values));
         }
         Start::Place(place, turn) => {
             text = text.replace("@POSTURE@", "");

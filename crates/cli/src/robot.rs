@@ -34,14 +34,14 @@ fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failu
     }
     let read = |masses| Robot::read(urdf, &source.reading(config, masses));
     let kinematics = || read(Masses::NotNeeded).map_err(|error| Failure::arm(&error));
-    if let Some(file) = &arguments.fk {
-        let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
+    if let Some(asked) = &arguments.fk {
+        let (text, name) = written_or_file(asked, "--fk")?;
+        let failed = |error| Failure::message(format!("{name}: {error}"));
         let robot = with_slides(kinematics()?, arguments.slide_mm.as_deref())?;
-        let table = fk_table(&robot, &text).map_err(|error| Failure::at(file, error))?;
-        let note = outside_limits_note(&robot, &text).map_err(|error| Failure::at(file, error))?;
-        if let Some(note) = note {
+        let table = fk_table(&robot, &text).map_err(failed)?;
+        if let Some(note) = outside_limits_note(&robot, &text).map_err(failed)? {
             // Beside the table, not in it.
-            eprintln!("note: {}: {note}", file.display());
+            eprintln!("note: {name}: {note}");
         }
         return crate::print(&table);
     }
@@ -81,21 +81,24 @@ fn describe(arguments: &RobotArguments, urdf: &Path) -> Result<ExitStatus, Failu
     crate::print(&report.to_text())
 }
 
+/// Numbers on the command line, or what a file has, and what they are called.
+fn written_or_file(asked: &str, option: &str) -> Result<(String, String), Failure> {
+    let file = Path::new(asked);
+    let is_written = asked.contains(',') || asked.trim().parse::<f64>().is_ok();
+    if is_written && !file.exists() {
+        return Ok((asked.to_owned(), option.to_owned()));
+    }
+    let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
+    Ok((text, file.display().to_string()))
+}
+
 /// The postures for a pose on the command line, or for those of a file.
 fn print_postures(
     robot: &Robot,
     asked: &str,
     arguments: &RobotArguments,
 ) -> Result<ExitStatus, Failure> {
-    let file = Path::new(asked);
-    let is_pose = asked.contains(',') && !file.exists();
-    let (text, name) = match is_pose {
-        true => (asked.to_owned(), "--ik".to_owned()),
-        false => {
-            let text = truecut_files::read_text(file).map_err(|error| Failure::at(file, error))?;
-            (text, file.display().to_string())
-        }
-    };
+    let (text, name) = written_or_file(asked, "--ik")?;
     let failed = |error| Failure::message(format!("{name}: {error}"));
     let poses = poses(&text).map_err(failed)?;
     if let Some(note) = other_units_note(robot, &text).map_err(failed)? {

@@ -67,11 +67,12 @@ pub struct RobotArguments {
         allow_hyphen_values = true
     )]
     pub posture_deg: Option<Vec<f64>>,
-    /// Print flange poses for the postures in this CSV file, one posture a row: rad and m, or as
-    /// the heading says (j1_deg, j1_mm). Among other columns those that name joints are read, in
-    /// degrees and mm where their names do not say: a path.csv, taught points, what --ik prints
-    #[arg(long, value_name = "FILE")]
-    pub fk: Option<PathBuf>,
+    /// Print flange poses for a posture `j1,j2,…` (rad and m, slides included), or for the postures
+    /// in this CSV file, one a row: rad and m, or as the heading says (j1_deg, j1_mm). Among other
+    /// columns those that name joints are read, in degrees and mm where their names do not say: a
+    /// path.csv, taught points, what --ik prints
+    #[arg(long, value_name = "POSTURE|FILE", allow_hyphen_values = true)]
+    pub fk: Option<String>,
     /// Print all postures for a pose `x,y,z,roll,pitch,yaw` (m and rad), or for the poses in this
     /// CSV file (such rows, or rows as --fk prints them)
     #[arg(

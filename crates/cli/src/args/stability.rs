@@ -6,7 +6,7 @@ use clap::Args;
 use truecut_plan::{Criterion, LEAST_DECAY};
 
 use super::Common;
-use super::number::{above_zero, number};
+use super::number::{above_zero, above_zero_to, number};
 
 #[derive(Debug, Args)]
 pub struct LobesArguments {
@@ -16,8 +16,9 @@ pub struct LobesArguments {
     /// and one and a quarter of it]
     #[arg(long, value_name = "FROM,TO", value_parser = parse_range)]
     pub rpm: Option<[f64; 2]>,
-    /// Deepest cut [default: three times the scenario's, or a fifth more than its limit]
-    #[arg(long, value_name = "MM", value_parser = above_zero)]
+    /// Deepest cut, at most 1000 as in a scenario [default: three times the scenario's, or a fifth
+    /// more than its limit]
+    #[arg(long, value_name = "MM", value_parser = parse_depth)]
     pub deepest: Option<f64>,
     /// How many speeds and depths the diagram has; along a path, how many speeds are looked at
     #[arg(long, value_name = "N", default_value = "100", value_parser = clap::value_parser!(u16).range(2..=1000))]
@@ -38,7 +39,9 @@ pub struct LobesArguments {
 
 #[derive(Debug, Args)]
 pub struct PostureArguments {
-    /// Scenario file, with [process.milling]
+    /// Scenario file, with [process.milling], or with [process.path_milling] along a path from CAM:
+    /// then the turn about the tool's axis and the posture at the start are chosen by the least
+    /// margin against chatter
     pub scenario: PathBuf,
     /// By what a posture counts as stable
     #[arg(long, value_enum, default_value_t = CriterionName::Regenerative)]
@@ -50,6 +53,10 @@ pub struct PostureArguments {
     /// Draw the maps of stiffness and limit over joints 2 and 3 too
     #[arg(long)]
     pub maps: bool,
+    /// Along a path: how many runs are simulated, one in the best posture and one as the scenario
+    /// has it [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=2))]
+    pub runs: Option<u16>,
     /// Folder for outputs; the scenario gets a folder of its own in it
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub out: PathBuf,
@@ -85,6 +92,11 @@ fn parse_distance(text: &str) -> Result<f64, String> {
     number(text, |value| value >= 0.0, "must be a number, 0 or above")
 }
 
+/// A depth of cut as deep as a scenario's may be, mm.
+fn parse_depth(text: &str) -> Result<f64, String> {
+    above_zero_to(text, 1000.0)
+}
+
 fn parse_part(text: &str) -> Result<f64, String> {
     let rule = "must be a number from 0 to less than 1: a mode in which the tool does not move \
                 decays as without a cut";
@@ -110,6 +122,11 @@ mod tests {
             assert!(parse_range(wrong).is_err(), "{wrong}");
         }
         assert_eq!(parse_distance("0"), Ok(0.0));
+        assert_eq!(parse_depth("1000"), Ok(1000.0));
+        for wrong in ["0", "-1", "1000.1", "1e308"] {
+            let told = parse_depth(wrong).unwrap_err();
+            assert!(told.contains("at most 1000"), "{wrong}: {told}");
+        }
         assert_eq!(parse_part("0.3"), Ok(0.3));
         assert!(parse_part("1").is_err() && parse_part("-0.1").is_err());
         assert!(parse_distance("-1").is_err() && parse_distance("nan").is_err());

@@ -74,7 +74,8 @@ fn printed(scenario: &Scenario, found: &PathStability, runs: &[PathRun]) -> Stri
     text
 }
 
-fn margin(place: &PathPlace) -> String {
+/// A margin as it is written; one where no limit was found is above what was looked at.
+pub fn margin(place: &PathPlace) -> String {
     match place.limit_m {
         Some(_) => significant(place.margin(), 3),
         None => format!("above {}", significant(place.margin(), 3)),
@@ -176,10 +177,9 @@ fn figure(title: &str, found: &PathStability) -> Figure {
     // The least margin of a place is drawn last.
     let mut places: Vec<&PathPlace> = found.places.iter().collect();
     places.sort_by(|a, b| b.margin().total_cmp(&a.margin()));
-    let shaded = places.into_iter().map(|place| {
-        let shade = (place.margin().ln() / BLUEST.ln()).clamp(-1.0, 1.0);
-        (mm(place), shade.signum() * shade.abs().max(PALEST))
-    });
+    let shaded = places
+        .into_iter()
+        .map(|place| (mm(place), shade(place.margin())));
     let along = |place: &PathPlace| (place.along_m * 1e3, place.margin());
     let ends = [found.places.first(), found.places.last()]
         .into_iter()
@@ -207,6 +207,12 @@ fn figure(title: &str, found: &PathStability) -> Figure {
         columns: 1,
         legend: Legend::Right,
     }
+}
+
+/// The shade of a margin: orange below 1, blue above, never so pale that it does not show.
+pub fn shade(margin: f64) -> f64 {
+    let shade = (margin.ln() / BLUEST.ln()).clamp(-1.0, 1.0);
+    shade.signum() * shade.abs().max(PALEST)
 }
 
 /// The file. All numbers are SI; one that does not exist is `null`.

@@ -7,6 +7,8 @@ mod json;
 mod text;
 mod uncertain;
 
+pub use along::{margin, shade};
+
 use std::f64::consts::TAU;
 
 use truecut_arm::Robot;

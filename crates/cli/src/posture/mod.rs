@@ -1,5 +1,6 @@
-//! `truecut posture`: chooses the arm's postures along the path of a milling scenario.
+//! `truecut posture`: chooses the postures along the path of a milling scenario, straight or from CAM.
 
+mod along;
 mod figure;
 mod files;
 mod maps;
@@ -11,7 +12,7 @@ use std::time::Instant;
 use truecut_plan::{
     Assessment, Criterion, MarginMap, Plan, PlanError, Planner, PlannerOptions, modes_in_cut,
 };
-use truecut_scenario::Scenario;
+use truecut_scenario::{ProcessSpec, Scenario};
 use truecut_sim::stability::{Draws, MillingStudy, in_scenario};
 
 use crate::args::PostureArguments;
@@ -46,6 +47,13 @@ const MAP_COLUMNS: usize = 17;
 /// Plans, prints and writes.
 pub fn posture(arguments: &PostureArguments) -> Result<ExitStatus, Failure> {
     let scenario = &arguments.common.load(&arguments.scenario)?;
+    if let ProcessSpec::PathMilling(_) = &scenario.process {
+        return along::posture(arguments, scenario);
+    }
+    if arguments.runs.is_some() {
+        let text = "--runs is for milling along a path: the plan of a straight cut is run as a scenario of its own";
+        return Err(Failure::at(&arguments.scenario, text));
+    }
     let failed = |error| Failure::sim(scenario, error);
     let study = MillingStudy::of(scenario).map_err(failed)?;
     let since = Instant::now();

@@ -2,8 +2,9 @@
 //! piece of the path the spindle speed at which most of it is left.
 //!
 //! Limits are those of the slot and of side milling (spectral elements) with the engagement that
-//! the rim has at the place, the feed's direction and the modes of the arm's posture there; all
-//! arcs of a rim count as one from the first entry to the last exit.
+//! the rim has at the place, the feed's direction and the modes of the arm's posture there, and
+//! with the floor, on which a tool that sinks is engaged deeper at once; all arcs of a rim count as
+//! one from the first entry to the last exit.
 
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,6 +16,7 @@ use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::chatter::limit::first_depth_m;
 use truecut_core::chatter::spectral_elements::SpectralElements;
 use truecut_core::cutting::milling::engagement::Engagement;
+use truecut_core::cutting::milling::nominal::NominalCut;
 use truecut_plan::modes_in_cut;
 use truecut_recording::{Outcome, Scalar};
 use truecut_scenario::{PathMillingSpec, ProcessSpec, Scenario};
@@ -101,10 +103,10 @@ impl Speeds {
 }
 
 /// A cut whose limits are asked for.
-struct Study<'a> {
-    spec: &'a PathMillingSpec,
-    robot: &'a Robot,
-    world_from_work: Rotation3<f64>,
+pub(super) struct Study<'a> {
+    pub spec: &'a PathMillingSpec,
+    pub robot: &'a Robot,
+    pub world_from_work: Rotation3<f64>,
 }
 
 /// Margins along the path of a scenario, and proposals out of a range of speeds (rad/s, and how
@@ -168,7 +170,7 @@ pub fn path_stability(
     })
 }
 
-fn known(place: &CutPlace, limit_m: Option<f64>) -> PathPlace {
+pub(super) fn known(place: &CutPlace, limit_m: Option<f64>) -> PathPlace {
     PathPlace {
         along_m: place.along_m,
         place_m: place.place_m.into(),
@@ -197,7 +199,7 @@ fn pieces(places: &[CutPlace]) -> Vec<std::ops::Range<usize>> {
 
 impl Study<'_> {
     /// Limit depth at a place with a spindle speed, m.
-    fn limit_m(&self, place: &CutPlace, spindle_rad_s: f64) -> Result<Option<f64>, SimError> {
+    pub fn limit_m(&self, place: &CutPlace, spindle_rad_s: f64) -> Result<Option<f64>, SimError> {
         let feed = Vector3::new(place.feed.x, place.feed.y, 0.0);
         let axes = Matrix3::from_columns(&[feed, Vector3::z().cross(&feed), Vector3::z()]);
         let axes = self.world_from_work.matrix() * axes;
@@ -213,7 +215,14 @@ impl Study<'_> {
             radius_m: cutter.radius_m,
             feed_per_tooth_m: place.feed_per_tooth_m,
         };
-        let elements = SpectralElements::new(&modes, &process);
+        let nominal = NominalCut {
+            cutter: *cutter,
+            coefficients: self.spec.coefficients,
+            engagement: place.engagement,
+            axial_depth_m: place.depth_m,
+            feed_per_tooth_m: place.feed_per_tooth_m,
+        };
+        let elements = SpectralElements::new(&modes, &process).with_floor(&nominal);
         let at = elements.at(cutter.tooth_period_s(spindle_rad_s));
         let depths = DEPTHS.map(|part| part * place.depth_m);
         Ok(first_depth_m(&at, depths, WIDTH))
@@ -256,7 +265,7 @@ impl Study<'_> {
     }
 
     /// What a reader of limits should know.
-    fn notes(&self, places: &[CutPlace]) -> Result<Vec<String>, SimError> {
+    pub fn notes(&self, places: &[CutPlace]) -> Result<Vec<String>, SimError> {
         let mut notes = Vec::new();
         if self.spec.cutter.helix_angle_rad != 0.0 {
             notes.push("limits are those of straight edges".to_owned());
@@ -323,26 +332,33 @@ pub fn path_runs(
     speeds.truncate(count);
     let done = AtomicUsize::new(0);
     let runs = speeds.par_iter().map(|spindle_rad_s| {
-        let run = path_run(scenario, *spindle_rad_s);
+        let speed = spindle_rad_s.map(|rad_s| {
+            let rpm = format!("{:?}", rad_s * 60.0 / TAU);
+            ("process.path_milling.spindle_rpm".to_owned(), rpm)
+        });
+        let keys: Vec<_> = speed.into_iter().collect();
+        let run = path_run(scenario, &keys).map(|run| PathRun {
+            spindle_rad_s: *spindle_rad_s,
+            ..run
+        });
         progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / speeds.len() as f64);
         run.map_err(|error| RunError::of(scenario, error))
     });
     runs.collect()
 }
 
-fn path_run(scenario: &Scenario, spindle_rad_s: Option<f64>) -> Result<PathRun, SimError> {
-    let speed = spindle_rad_s.map(|rad_s| {
-        let rpm = format!("{:?}", rad_s * 60.0 / TAU);
-        ("process.path_milling.spindle_rpm".to_owned(), rpm)
-    });
-    let overrides: Vec<_> = speed.into_iter().collect();
-    let end = Run::of(&scenario.with_overrides(&overrides)?).end()?;
+/// A run of a scenario with keys changed.
+pub(super) fn path_run(
+    scenario: &Scenario,
+    keys: &[(String, String)],
+) -> Result<PathRun, SimError> {
+    let end = Run::of(&scenario.with_overrides(keys)?).end()?;
     let value = |name: &str| {
         let found = end.scalars.iter().find(|one: &&Scalar| one.name == name);
         found.map_or(f64::NAN, |one| one.value)
     };
     Ok(PathRun {
-        spindle_rad_s,
+        spindle_rad_s: None,
         vibration_m: value("path_milling.vibration_level"),
         at_m: value("path_milling.vibration_at"),
         outcome: end.outcome,

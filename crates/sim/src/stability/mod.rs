@@ -10,12 +10,14 @@ mod diagram;
 mod draws;
 pub(crate) mod known;
 mod runs;
+mod turns;
 mod view;
 
 pub use along::{PathPlace, PathRun, PathSegment, PathStability, path_runs, path_stability};
 pub use damping::OtherDamping;
 pub use draws::Draws;
 pub use runs::{StabilityRun, stability_runs};
+pub use turns::{PathPosture, PathPostures, path_postures, posture_runs};
 
 use std::sync::Arc;
 

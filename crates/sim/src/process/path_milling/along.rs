@@ -1,9 +1,12 @@
 //! Where along its path a cutter stands in how much stock, teeth at rest: what stability asks.
 
-use super::setup::{motion, parameters};
+use std::sync::Arc;
+
+use super::nominal::NominalPath;
+use super::setup::{FILE, motion, parameters};
 use super::{LEVEL, PathMillingSetup};
 use crate::error::SimError;
-use crate::motion::KNOT_INTERVAL_S;
+use crate::motion::{KNOT_INTERVAL_S, PlannedMotion, Target};
 use crate::process::SetupContext;
 use nalgebra::{Isometry3, Vector2, Vector3};
 use truecut_core::cutting::milling::engagement::Engagement;
@@ -64,6 +67,56 @@ pub(crate) fn places(
     })
 }
 
+/// An arm led along a path, without a cut.
+pub(crate) struct Followed {
+    motion: Arc<PlannedMotion>,
+    nominal: NominalPath,
+}
+
+impl Followed {
+    /// The posture in which it begins.
+    pub fn start(&self) -> &[f64] {
+        &self.motion.knots[0]
+    }
+
+    pub fn duration_s(&self) -> f64 {
+        self.motion.duration_s
+    }
+
+    /// Postures at even times, from one way along the path to another, m, and the time between two.
+    pub fn between(&self, [from_m, to_m]: [f64; 2]) -> (&[Vec<f64>], f64) {
+        let ends = [from_m, to_m].map(|along_m| self.nominal.knot_at(along_m));
+        (&self.motion.knots[ends[0]..=ends[1]], KNOT_INTERVAL_S)
+    }
+
+    /// The posture at a way along the path, that of the nearest knot, m.
+    pub fn posture_at(&self, along_m: f64) -> &[f64] {
+        &self.motion.knots[self.nominal.knot_at(along_m)]
+    }
+}
+
+/// Leads the arm along a path, if it can follow it.
+pub(crate) fn followed(
+    spec: &PathMillingSpec,
+    context: &SetupContext<'_>,
+) -> Result<Followed, SimError> {
+    let motion = motion(spec, context)?;
+    let Target::Way(way) = &motion.target else {
+        return Err(SimError::scenario(FILE, "the path is not solved"));
+    };
+    let work_from_world = way.world_from_work.inverse();
+    let knots = &motion.knots;
+    let nominal = NominalPath::new(context.robot, knots, KNOT_INTERVAL_S, &work_from_world);
+    Ok(Followed { motion, nominal })
+}
+
+impl CutPlace {
+    /// How much of the edge is in stock: height times angle.
+    pub fn weight(&self) -> f64 {
+        self.depth_m * arc_rad(&self.engagement)
+    }
+}
+
 impl PathMillingSetup {
     fn places(&self, knots: &[Vec<f64>]) -> Vec<CutPlace> {
         let mut left = self.meant.stock.clone();
@@ -106,9 +159,8 @@ impl PathMillingSetup {
                     let stretch = |along_m: f64| (along_m / stretch_m).floor();
                     one.point == point && stretch(one.along_m) == stretch(on.along_m)
                 };
-                let weight = |one: &CutPlace| one.depth_m * arc_rad(&one.engagement);
                 match places.last_mut().filter(|one| same(one)) {
-                    Some(one) if weight(one) >= weight(&place) => {}
+                    Some(one) if one.weight() >= place.weight() => {}
                     Some(one) => *one = place,
                     None => places.push(place),
                 }

@@ -53,6 +53,19 @@ impl NominalPath {
         }
     }
 
+    /// The place that is nearest to a way along the path, its number.
+    pub fn knot_at(&self, along_m: f64) -> usize {
+        let after = self.along_m.partition_point(|here_m| *here_m < along_m);
+        let last = self.along_m.len() - 1;
+        let off = |k: usize| (self.along_m[k] - along_m).abs();
+        let (before, after) = (after.saturating_sub(1), after.min(last));
+        if off(before) <= off(after) {
+            before
+        } else {
+            after
+        }
+    }
+
     /// Where a cutter that is led along changes its depth in stock, if it does.
     pub fn sinks_into(&self, meant: &Meant, profile: &Profile) -> Option<Vector3<f64>> {
         let mut left = meant.stock.clone();

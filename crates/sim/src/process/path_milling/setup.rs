@@ -16,7 +16,7 @@ use truecut_core::cutting::milling::layered::way::{Leg, follow};
 use truecut_plan::path_file::{Way, WayPoint};
 use truecut_scenario::{PathMillingSpec, ProcessSpec};
 
-const FILE: &str = "process.path_milling.path.file";
+pub(super) const FILE: &str = "process.path_milling.path.file";
 /// Farthest that the tool's axis may lean from the work frame's z, rad.
 const LEAN_RAD: f64 = 1e-4;
 /// Largest feed per tooth as a part of the cutter's diameter: chips are far thinner than it.

@@ -46,6 +46,8 @@ fn verify_limit_in_a_slot_of_the_path() {
             .unwrap();
         let axes = world_from_work.rotation.to_rotation_matrix();
         let robot = robots.robot(&scenario.robot).unwrap();
+        // 20 mm/s, two teeth.
+        let slot_feed_m = 20e-3 * spec.cutter.tooth_period_s(slot.spindle_rad_s);
         let modes = modes_in_cut(&robot, &near.posture, axes.matrix(), &spec.attached).unwrap();
         let process = DirectionalMatrix {
             teeth: 2,
@@ -55,7 +57,14 @@ fn verify_limit_in_a_slot_of_the_path() {
             radius_m: 6e-3,
             feed_per_tooth_m: f64::INFINITY,
         };
-        let elements = SpectralElements::new(&modes, &process);
+        let nominal = NominalCut {
+            cutter: spec.cutter,
+            coefficients: spec.coefficients,
+            engagement: Engagement::SLOT,
+            axial_depth_m: 0.5e-3,
+            feed_per_tooth_m: slot_feed_m,
+        };
+        let elements = SpectralElements::new(&modes, &process).with_floor(&nominal);
         let period_s = spec.cutter.tooth_period_s(slot.spindle_rad_s);
         let limit = first_limit(&elements, period_s, &LimitSearch::to_depth(1.5e-3));
         match (slot.limit_m, limit) {
