@@ -64,7 +64,7 @@ def main() -> None:
     parser.add_argument("--python", type=Path, help="an interpreter that has the package; else the wheel is built")
     options = parser.parse_args()
     short = options.short
-    turns, length_s, runs = (2, 1, 10) if short else (9, 60, 100)
+    turns, length_s, runs = (2, 8, 10) if short else (9, 60, 100)
     with tempfile.TemporaryDirectory() as folder:
         python = options.python or made(Path(folder))
         imports = [float(output([python, "-c", IMPORT])) for _ in range(turns)]

@@ -67,15 +67,8 @@ pub fn new(arguments: &NewArguments) -> Result<ExitStatus, Failure> {
     if let Some(fault) = last.as_ref().filter(|_| is_given) {
         return Err(Failure::message(fault));
     }
-    if let Some([x, y, z]) = lasting_axis(&robot).filter(|axis| place_leads && axis[2] > -0.999) {
-        return Err(Failure::with_help(
-            format!(
-                "the tool cannot work from above: its z axis is ({x:.3}, {y:.3}, {z:.3}) in every \
-                 posture of this arm"
-            ),
-            "rpy_deg of [frames.tool] in robot.toml turns the tool against the flange: its z axis \
-             points into the workpiece",
-        ));
+    if place_leads && let Some(fault) = of_lasting_axis(arguments.process, &robot) {
+        return Err(fault);
     }
     // What is wrong everywhere has nothing to do with the start.
     if let Some(fault) = last.as_ref().filter(|_| is_one) {
@@ -173,6 +166,24 @@ fn starts(arguments: &NewArguments, robot: &Robot, place_leads: bool) -> Vec<Sta
         Start::Posture(values.collect())
     };
     drawn.into_iter().map(shown).collect()
+}
+
+/// Why an arm whose joints do not turn the tool's axis cannot do it, if that is why.
+fn of_lasting_axis(process: ProcessName, robot: &Robot) -> Option<Failure> {
+    let [x, y, z] = lasting_axis(robot)?;
+    let lasts = format!("is ({x:.3}, {y:.3}, {z:.3}) in every posture of this arm");
+    if z > -0.999 {
+        return Some(Failure::with_help(
+            format!("the tool cannot work from above: its z axis {lasts}"),
+            "rpy_deg of [frames.tool] in robot.toml turns the tool against the flange: its z axis \
+             points into the workpiece",
+        ));
+    }
+    matches!(process, ProcessName::Polish).then(|| {
+        Failure::message(format!(
+            "polishing leans the wheel and leads the lean round, but the tool's z axis {lasts}"
+        ))
+    })
 }
 
 /// The tool's z axis in the world where no joint turns it, as on arms that move parts from above.

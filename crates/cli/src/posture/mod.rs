@@ -1,4 +1,4 @@
-//! `truecut posture`: chooses the postures along the path of a milling scenario, straight or from CAM.
+//! `truecut posture`: chooses postures along the path of a milling scenario, straight or from CAM.
 
 mod along;
 mod figure;
