@@ -136,9 +136,10 @@ pub fn path_postures(
     let search = Search { scenario };
     let own = search.followed(&[]);
     let spins = (0..TURNS).map(|k| TAU * k as f64 / TURNS as f64).collect();
-    let led = each(spins, (progress, [0.0, 0.4]), |spin_rad| {
+    let led = each(spins, (progress, [0.0, 0.3]), |spin_rad| {
         (spin_rad, search.starts(spin_rad))
     });
+    let led = search.second_tries(led, (progress, [0.3, 0.4]));
     // What the cutter meets, by any way in which the arm can go.
     let can = led.iter().find(|(_, led)| led.is_ok());
     let keys = match (&own, can) {

@@ -1,9 +1,10 @@
 //! Ways in which an arm goes along a path.
 
-use truecut_arm::{BranchOptions, FrameId};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use truecut_arm::{BranchOptions, FrameId, Robot};
 use truecut_scenario::{PathMillingSpec, Scenario};
 
-use super::{PathPosture, path_of, spin_key};
+use super::{PathPosture, each, path_of, spin_key};
 use crate::build::in_context;
 use crate::error::SimError;
 use crate::process::SetupContext;
@@ -13,6 +14,9 @@ use crate::robots::Robots;
 /// Most postures at the start that are looked at for one turn: an arm with more joints than six has
 /// any number of them.
 const MOST_STARTS: usize = 8;
+
+/// A turn about the tool's axis, rad, and the ways in which the arm can go with it.
+pub(super) type Led = (f64, Result<Vec<Followed>, SimError>);
 
 /// A scenario whose keys are changed.
 pub(super) struct Search<'a> {
@@ -43,25 +47,65 @@ impl Search<'_> {
     /// The arm led along from each posture in which it can begin with a turn; the first fault if
     /// from none of them.
     pub fn starts(&self, spin_rad: f64) -> Result<Vec<Followed>, SimError> {
-        let keys = spin_key(spin_rad);
-        let first = self.followed(&keys);
-        let begins = match &first {
-            Ok(led) => Some(led.start().to_vec()),
-            Err(_) => None,
-        };
-        let Some(begins) = begins else {
-            return first.map(|led| vec![led]);
-        };
+        let first = self.followed(&spin_key(spin_rad))?;
         let robot = Robots::new().robot(&self.scenario.robot)?;
+        let begins = first.start().to_vec();
         let pose = robot.world_from_frame(&begins, FrameId::Tool);
-        let others = (robot.ik_solver(&BranchOptions::default())).branches(&pose, FrameId::Tool);
-        let is_other = |q: &Vec<f64>| {
-            robot.check_posture(q).is_ok()
-                && (q.iter().zip(&begins)).any(|(a, b)| (a - b).abs() > 1e-3)
+        let is_first = |q: &[f64]| q.iter().zip(&begins).all(|(a, b)| (a - b).abs() < 1e-3);
+        let others = self.ways_of_each(spin_rad, &robot, &pose, &is_first);
+        let mut all = vec![first];
+        all.extend(others);
+        Ok(all)
+    }
+
+    /// Turns with what became of them, those that cannot be followed tried from other postures.
+    pub fn second_tries(
+        &self,
+        led: Vec<Led>,
+        progress: (&(dyn Fn(f64) + Sync), [f64; 2]),
+    ) -> Vec<Led> {
+        let (can, cannot): (Vec<_>, Vec<_>) = led.into_iter().partition(|(_, led)| led.is_ok());
+        let known = can.first().and_then(|(spin_rad, led)| {
+            let led = led.as_ref().ok()?;
+            Some((*spin_rad, led.first()?))
+        });
+        let mut all: Vec<_> = match known {
+            None => cannot,
+            Some(known) => each(cannot, progress, |(spin_rad, fault)| {
+                let beside = self.starts_beside(spin_rad, known);
+                let beside = beside.ok().filter(|led| !led.is_empty());
+                (spin_rad, beside.map_or(fault, Ok))
+            }),
         };
-        let others = others.into_iter().filter(is_other).take(MOST_STARTS - 1);
-        let mut all: Vec<Followed> = first.into_iter().collect();
-        for start in others {
+        all.extend(can);
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
+    }
+
+    /// The same where the way that begins nearest to the scenario's posture leads nowhere: from the
+    /// other postures, told by the pose with which another turn begins.
+    fn starts_beside(
+        &self,
+        spin_rad: f64,
+        (its_rad, its): (f64, &Followed),
+    ) -> Result<Vec<Followed>, SimError> {
+        let robot = Robots::new().robot(&self.scenario.robot)?;
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), spin_rad - its_rad);
+        let pose = robot.world_from_frame(its.start(), FrameId::Tool) * turn;
+        Ok(self.ways_of_each(spin_rad, &robot, &pose, &|_| false))
+    }
+
+    /// From each posture of a pose, but for those that are known, the ways that the arm can go.
+    fn ways_of_each(
+        &self,
+        spin_rad: f64,
+        robot: &Robot,
+        pose: &Isometry3<f64>,
+        is_known: &dyn Fn(&[f64]) -> bool,
+    ) -> Vec<Followed> {
+        let postures = (robot.ik_solver(&BranchOptions::default())).branches(pose, FrameId::Tool);
+        let fits = |q: &Vec<f64>| robot.check_posture(q).is_ok() && !is_known(q);
+        let led = |start| {
             let posture = PathPosture {
                 spin_rad: Some(spin_rad),
                 start,
@@ -70,8 +114,9 @@ impl Search<'_> {
                 bend_m: [0.0; 2],
             };
             // One that leads out of reach is none.
-            all.extend(self.followed(&posture.keys(&robot)));
-        }
-        Ok(all)
+            self.followed(&posture.keys(robot)).ok()
+        };
+        let postures = postures.into_iter().filter(fits).take(MOST_STARTS);
+        postures.filter_map(led).collect()
     }
 }
