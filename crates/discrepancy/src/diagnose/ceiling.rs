@@ -33,6 +33,8 @@ pub(super) struct Bound {
     /// Residual less the prediction of all groups found, fitted to all rows; good on the
     /// development part.
     pub left: Columns,
+    /// How many numbers made the groups found fit, of each channel.
+    pub numbers: Vec<usize>,
     /// Root mean square of that on the test part; on the development part where a group was not
     /// simulated beyond it.
     pub floor: Vec<f64>,
@@ -80,6 +82,8 @@ struct Target<'a> {
     rows: &'a [usize],
     order: usize,
     floor: f64,
+    /// Standard deviation of what the noise of measured inputs makes of the prediction.
+    of_inputs: f64,
     folds: Folds,
 }
 
@@ -104,7 +108,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         .collect();
     let groups = groups(problem, &last.predicted);
     let mut left = residual.clone();
-    let mut floor = Vec::new();
+    let (mut floor, mut numbers) = (Vec::new(), vec![0; residual.len()]);
     let (mut gain, mut sums, mut total) = (0.0, Vec::new(), 0.0);
     let mut correlated_signals = Vec::new();
     let (mut changes, mut in_time) = (Vec::new(), vec![false; residual.len()]);
@@ -162,6 +166,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         } else {
             &problem.split.test
         };
+        numbers[c] = trial.groups.iter().map(|group| group.numbers()).sum();
         left[c] = trial.left;
         floor.push(rms(&left, rows)[c]);
     }
@@ -176,6 +181,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         ceiling,
         gain: gain.max(0.0),
         left,
+        numbers,
         floor,
         changes,
         in_time,
@@ -197,6 +203,7 @@ impl<'a> Target<'a> {
             rows,
             order,
             floor: problem.floor[c],
+            of_inputs: problem.data.outputs[c].noise_of_inputs,
             folds: Folds::of_blocks(&problem.split.blocks, rows),
         }
     }
@@ -275,7 +282,9 @@ impl<'a> Target<'a> {
             fraction: added / total,
             t: added / error,
         };
-        let clear = added > LEAST_T * error && added > least.fraction * total;
+        let clear = added > LEAST_T * error
+            && added > least.fraction * total
+            && self.exceeds_inputs(&next.left);
         let distance = || {
             let sum = |of: fn(&Group) -> usize| next.groups.iter().map(|group| of(group)).sum();
             let freedom = Freedom {
@@ -285,6 +294,16 @@ impl<'a> Target<'a> {
             channel_distance(self.problem, self.rows, &now.left, &next.left, freedom)
         };
         (clear && distance() > least.standing_out).then_some((next, signal))
+    }
+
+    /// Whether more is taken of the residual than the noise of measured inputs puts there: that
+    /// goes through the dynamics as the motion does, so that it follows the motion's signals.
+    fn exceeds_inputs(&self, left: &[f64]) -> bool {
+        let mean_square = |x: &[f64]| -> f64 {
+            let squares = self.rows.iter().map(|&t| x[t].powi(2));
+            squares.sum::<f64>() / self.rows.len().max(1) as f64
+        };
+        mean_square(self.residual) - mean_square(left) >= self.of_inputs.powi(2)
     }
 
     /// Least squares under white noise, then twice under the noise of what is left: an

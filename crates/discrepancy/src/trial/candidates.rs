@@ -97,6 +97,13 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
     let scale = match effect.typed()? {
         // No candidates of the search: see `curves`.
         Typed::Curve(..) => return None,
+        // Where a tool is led against a part, or a force let go, the arm hardly moves: what a link
+        // weighs is borne, and its share of a mode is the others' as well.
+        Typed::Joint(_, JointEffect::LinkMass { .. })
+            if !matches!(scenario.process, ProcessSpec::Replay(_)) =>
+        {
+            return None;
+        }
         Typed::Joint(joint, effect) => joint_scale(&signals.joints[joint], effect)?.values(),
         Typed::Robot(effect) => robot_scale(signals, effect).values(),
         Typed::Base(_, effect) => base_scale(signals, effect).values(),
@@ -143,6 +150,7 @@ fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<JointEffect>
         E::Zero { .. } => E::Zero {
             offset: SHARE * SHARE,
         },
+        E::LinkMass { .. } => E::LinkMass { factor: SHARE },
         E::LoadFriction { .. } => {
             if joint.effort_varies.is_nan() || joint.effort_varies < LEAST_VARIATION {
                 return None;
@@ -370,6 +378,9 @@ fn clock_scale(signals: &Signals, effect: ClockEffect) -> Option<ClockEffect> {
     several.then_some(match effect {
         ClockEffect::Delay { .. } => ClockEffect::Delay {
             delay_s: signals.interval_s,
+        },
+        ClockEffect::Rate { .. } => ClockEffect::Rate {
+            factor: SHARE * SHARE,
         },
     })
 }

@@ -57,12 +57,18 @@ pub(crate) fn alter(nominal: &Robot, effects: &Effects) -> Result<Altered, SimEr
     })
 }
 
-/// Builds the arm as it stands: its payload, and the links where the zeros of their joints leave
-/// them. Coordinates stay those that are reported.
+/// Builds the arm as it stands: its payload, links as heavy as they are, and where the zeros of
+/// their joints leave them. Coordinates stay those that are reported.
 pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimError> {
     for (joint, effect) in robot.chain.joints.iter_mut().zip(&effects.joints) {
         if effect.zero != 0.0 {
             joint.shift_zero(effect.zero);
+        }
+    }
+    for (link, effect) in robot.chain.links.iter_mut().zip(&effects.joints) {
+        if effect.mass_factor != 1.0 {
+            link.mass_kg *= effect.mass_factor;
+            link.inertia_about_com_kg_m2 *= effect.mass_factor;
         }
     }
     match &effects.payload {

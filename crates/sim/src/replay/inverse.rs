@@ -231,7 +231,9 @@ impl InverseModel {
             self.check(effect)?;
         }
         let sum = Effects::sum(all, &self.robot.chain.joints);
-        let built = self.as_it_stands(nominal, &sum)?;
+        let retimed = sum.clock_rate.map(|rate| self.motion.faster(rate));
+        let motion = retimed.as_ref().unwrap_or(&self.motion);
+        let built = self.as_it_stands(nominal, &sum, motion)?;
         let nominal = built.as_ref().unwrap_or(nominal);
         let mut columns = nominal.drive.clone();
         // In an arm that stands elsewhere it is built in.
@@ -243,7 +245,7 @@ impl InverseModel {
         for (at, &joint) in self.joints.iter().enumerate() {
             let effects = &sum.joints[joint];
             if !effects.is_built_in() {
-                let against = self.against(at, effects, payload, &nominal.passed_on[at]);
+                let against = self.against(at, effects, payload, &nominal.passed_on[at], motion);
                 for (sum, force) in columns[at].iter_mut().zip(against) {
                     *sum += force;
                 }
@@ -254,27 +256,29 @@ impl InverseModel {
         Ok(columns)
     }
 
-    /// Forces of the same arm, payload included, where gravity comes from another direction or
-    /// links stand beyond what their joints report; `None` where neither is.
+    /// Forces of the same arm, payload included, where gravity comes from another direction, links
+    /// are heavier than in their files or stand beyond what their joints report, or the motion is
+    /// faster than the data say; `None` where none of this is.
     fn as_it_stands(
         &self,
         reported: &Forces,
         effects: &Effects,
+        motion: &Motion,
     ) -> Result<Option<Forces>, SimError> {
-        let is_off = effects.joints.iter().any(|joint| joint.zero != 0.0);
-        if effects.tilts.is_empty() && !is_off {
+        let mut joints = effects.joints.iter();
+        let is_other = joints.any(|joint| joint.zero != 0.0 || joint.mass_factor != 1.0);
+        if effects.tilts.is_empty() && effects.clock_rate.is_none() && !is_other {
             return Ok(None);
         }
         let mut robot = reported.robot.clone();
         build_in(Arc::make_mut(&mut robot), effects)?;
         let gravity_m_s2 = effects.gravity_on_base(self.motion.gravity_m_s2);
-        let (motion, filter) = (&self.motion, &self.filter);
         Ok(Some(forces(
             &robot,
             motion,
             &gravity_m_s2,
             &self.joints,
-            filter,
+            &self.filter,
         )))
     }
 
@@ -309,9 +313,10 @@ impl InverseModel {
         effects: &JointEffects,
         payload: Option<&Payload>,
         passed_on: &[f64],
+        motion: &Motion,
     ) -> Vec<f64> {
         let joint = self.joints[at];
-        let (position, velocity) = (&self.motion.position[joint], &self.motion.velocity[joint]);
+        let (position, velocity) = (&motion.position[joint], &motion.velocity[joint]);
         let instants = position.iter().zip(velocity);
         let mut law: Vec<f64> = instants.map(|(q, v)| effects.against(*q, *v)).collect();
         let share = effects.friction.load_share;
