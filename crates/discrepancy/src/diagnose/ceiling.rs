@@ -4,6 +4,7 @@
 mod changes;
 mod derived;
 mod folds;
+mod inputs;
 mod onset;
 mod waves;
 
@@ -12,6 +13,7 @@ pub(super) use waves::wave_over;
 use rayon::prelude::*;
 
 use self::folds::Folds;
+use self::inputs::{exceeds_inputs, rounding};
 use super::answer::{Ceiling, Change, CorrelatedSignal};
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
@@ -188,11 +190,6 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
     }
 }
 
-/// Standard deviation of what rounding leaves of a channel whose readings hold still.
-fn rounding(problem: &Problem, channel: usize) -> f64 {
-    problem.data.outputs[channel].held_step / 12_f64.sqrt()
-}
-
 impl<'a> Target<'a> {
     fn new(problem: &'a Problem, residual: &'a [f64], c: usize, order: usize) -> Target<'a> {
         let rows = &problem.split.development.per_channel[c];
@@ -284,7 +281,7 @@ impl<'a> Target<'a> {
         };
         let clear = added > LEAST_T * error
             && added > least.fraction * total
-            && self.exceeds_inputs(&next.left);
+            && exceeds_inputs(self.rows, self.residual, &next.left, self.of_inputs);
         let distance = || {
             let sum = |of: fn(&Group) -> usize| next.groups.iter().map(|group| of(group)).sum();
             let freedom = Freedom {
@@ -294,16 +291,6 @@ impl<'a> Target<'a> {
             channel_distance(self.problem, self.rows, &now.left, &next.left, freedom)
         };
         (clear && distance() > least.standing_out).then_some((next, signal))
-    }
-
-    /// Whether more is taken of the residual than the noise of measured inputs puts there: that
-    /// goes through the dynamics as the motion does, so that it follows the motion's signals.
-    fn exceeds_inputs(&self, left: &[f64]) -> bool {
-        let mean_square = |x: &[f64]| -> f64 {
-            let squares = self.rows.iter().map(|&t| x[t].powi(2));
-            squares.sum::<f64>() / self.rows.len().max(1) as f64
-        };
-        mean_square(self.residual) - mean_square(left) >= self.of_inputs.powi(2)
     }
 
     /// Least squares under white noise, then twice under the noise of what is left: an
