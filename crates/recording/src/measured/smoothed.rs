@@ -69,7 +69,7 @@ mod tests {
     use super::super::resample::resample;
     use super::*;
 
-    /// Even numbers of unit variance (SplitMix64, `steele2014`).
+    /// White noise of unit variance: sums of twelve even numbers (SplitMix64, `steele2014`).
     fn white(seed: u64, count: usize) -> Vec<f64> {
         let mut state = seed;
         let mut draw = || {
@@ -77,10 +77,11 @@ mod tests {
             let mut z = state;
             z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
             z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            let part = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-            12_f64.sqrt() * (part - 0.5)
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
         };
-        (0..count).map(|_| draw()).collect()
+        (0..count)
+            .map(|_| (0..12).map(|_| draw()).sum::<f64>() - 6.0)
+            .collect()
     }
 
     fn deviation(x: &[f64]) -> f64 {

@@ -14,10 +14,10 @@ use super::drive_forces::{FILTER_ORDER, filtered};
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::Motion;
 use super::regressors::BodyRegressors;
-use super::rigid::{Forces, forces, nominal, without_friction};
+use super::rigid::{Forces, nominal, without_friction};
 use super::{check_part, in_force, refused, sense};
 use crate::channels::drive_spec;
-use crate::effect::{Effects, JointEffects, Payload, build_in};
+use crate::effect::{Effects, JointEffects, Payload};
 use crate::error::SimError;
 use crate::robots::Robots;
 use nalgebra::{Point3, Vector3};
@@ -254,32 +254,6 @@ impl InverseModel {
         // Sensors see the sum of all torques, so they come last.
         sense(&sum, &self.specs, &self.measured.time_s, &mut columns);
         Ok(columns)
-    }
-
-    /// Forces of the same arm, payload included, where gravity comes from another direction, links
-    /// are heavier than in their files or stand beyond what their joints report, or the motion is
-    /// faster than the data say; `None` where none of this is.
-    fn as_it_stands(
-        &self,
-        reported: &Forces,
-        effects: &Effects,
-        motion: &Motion,
-    ) -> Result<Option<Forces>, SimError> {
-        let mut joints = effects.joints.iter();
-        let is_other = joints.any(|joint| joint.zero != 0.0 || joint.mass_factor != 1.0);
-        if effects.tilts.is_empty() && effects.clock_rate.is_none() && !is_other {
-            return Ok(None);
-        }
-        let mut robot = reported.robot.clone();
-        build_in(Arc::make_mut(&mut robot), effects)?;
-        let gravity_m_s2 = effects.gravity_on_base(self.motion.gravity_m_s2);
-        Ok(Some(forces(
-            &robot,
-            motion,
-            &gravity_m_s2,
-            &self.joints,
-            &self.filter,
-        )))
     }
 
     /// Refuses an effect that plays no part in inverse dynamics, or is on what is not predicted.

@@ -54,8 +54,8 @@ pub(super) fn keep_large(
 }
 
 /// Whether what changes over time leaves less than a curve does where both are, its numbers paid
-/// for by Schwarz's criterion: no law of a place or a speed is told for it. What more numbers take of
-/// the noise is no merit.
+/// for by Schwarz's criterion: no law of a place or a speed is told for it. What more numbers take
+/// of the noise is no merit.
 pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve: &Fit) -> bool {
     let rows = &problem.split.development;
     let left = rms(&bound.left, rows);
