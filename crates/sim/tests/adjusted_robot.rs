@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_sim::facts::robot_facts;
 use truecut_sim::run::{Finished, Run, RunError};
 
@@ -102,23 +101,4 @@ fn a_link_that_is_not_there_is_refused_at_its_name() {
     let scenario = scenario("[[robot.link]]\nname = \"uper_arm\"\n");
     let error = run(&scenario).unwrap_err().to_string();
     assert!(error.contains("uper_arm"), "{error}");
-}
-
-#[test]
-fn verify_a_link_mass_is_the_factor_of_its_link() {
-    let mut with = scenario("");
-    with.effects.push(Effect {
-        kind: EffectKind::LinkMass,
-        target: Target::Joint(1),
-        values: vec![1.3],
-    });
-    let effect = run(&with).unwrap().recording.columns;
-    assert_eq!(
-        effect,
-        run(&scenario(&tables(1.3, 0.0, 1.0)))
-            .unwrap()
-            .recording
-            .columns
-    );
-    assert_ne!(effect, run(&scenario("")).unwrap().recording.columns);
 }
