@@ -1,9 +1,10 @@
-"""What measured motion does to a diagnosis: few samples in a period, coarse encoders, limits that a file gives too
-narrow, a wrist that bends by a few thousandths of what it moves by. Drawn arms, their forces and motion by MuJoCo."""
+"""What measured motion does to a diagnosis: few samples in a period, coarse encoders, links heavier than in the file, a
+clock that runs fast, limits that a file gives too narrow, a wrist that bends by a few thousandths of what it moves by. Drawn arms, their forces and motion by MuJoCo."""
 
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import mujoco
@@ -93,6 +94,49 @@ def test_crosscheck_mujoco_motion_a_little_beyond_the_limits_is_taken_as_measure
     assert found["verdict"] == "nothing_beyond_noise"
     told = " ".join(truecut.call("diagnose", tmp_path / "drawn.toml", "--out", tmp_path).split())
     assert "beyond the limits of joint `joint_1` in its file" in told and "taken as measured" in told
+
+
+def only_cause(found: dict) -> tuple[str, str | None, dict]:
+    print(found["verdict"], found["reason"], [(one["kind"], one["target"]) for one in found["causes"]])
+    assert found["verdict"] == "named" and not found["changes"]
+    (one,) = found["causes"]
+    (value,) = one["parameters"].values()
+    return one["kind"], one["target"], value
+
+
+@pytest.mark.parametrize("seed", range(47_100, 47_105))
+def test_crosscheck_mujoco_a_link_of_another_mass_is_named(truecut, tmp_path, seed):
+    """The file has a link whose mass and inertia are not the machine's; nothing is uncertain."""
+    arm = Quiet(seed)
+    draw = np.random.default_rng([seed, 5])
+    # The first link's own moment may be next to nothing beside what it carries.
+    joint, factor = int(draw.integers(2, arm.joints + 1)), float(draw.choice([0.8, 0.88, 1.12, 1.25]))
+    forces, text = arm.drive_forces(), arm.urdf
+
+    def scaled(link: re.Match) -> str:
+        return re.sub(r'(mass value|i[xyz]{2})="([^"]+)"', lambda m: f'{m[1]}="{float(m[2]) / factor}"', link[0])
+
+    arm.urdf = re.sub(rf'<link name="link_{joint}">.*?</link>', scaled, text)
+    assert arm.urdf != text
+    arm.drive_forces = lambda: forces
+    found = diagnosed(truecut, tmp_path, arm, resample_hz=100, cutoffs_hz=(20, 6))
+    kind, target, value = only_cause(found)
+    assert (kind, target) == ("link_mass", f"joint{joint}")
+    assert abs(value["value"] - factor) < 0.75 * (value["high"] - value["low"]) + 1e-3
+
+
+@pytest.mark.parametrize("seed", range(47_200, 47_204))
+def test_crosscheck_mujoco_a_clock_that_runs_fast_is_named(truecut, tmp_path, seed):
+    """The times of the data are off by a hundredth or so: torques are those of a faster or a slower motion."""
+    arm = Quiet(seed)
+    factor = float(np.random.default_rng([seed, 6]).choice([0.98, 0.99, 1.008, 1.015]))
+    forces = arm.drive_forces()
+    arm.drive_forces = lambda: forces
+    arm.time = arm.time * factor
+    found = diagnosed(truecut, tmp_path, arm, resample_hz=100, cutoffs_hz=(20, 6))
+    kind, target, value = only_cause(found)
+    assert (kind, target) == ("clock_rate", None)
+    assert abs(value["value"] - factor) < 0.75 * (value["high"] - value["low"]) + 2e-4
 
 
 class Wrist:

@@ -14,6 +14,26 @@ struct SecondOrderSection {
     a: [f64; 2],
 }
 
+/// Part of what lies beyond a filter that counts as noise; the variance itself is uncertain.
+const BEYOND_FILTER: f64 = 1.1;
+/// Median of the square of a standard normal number: of χ² with one degree of freedom.
+const MEDIAN_OF_SQUARES: f64 = 0.454_936;
+
+/// Standard deviation that a filter leaves of noise of which it takes `taken`, at samples whose
+/// noise has the part `white_kept` of the variance of white noise of this size, since they lie
+/// between others. By the median of the squares: of a jump, which friction makes at each reversal,
+/// and of a spike a filter takes much, for a short time.
+pub fn left_of_noise(noise: f64, taken: impl Iterator<Item = f64>, white_kept: f64) -> f64 {
+    let mut squares: Vec<f64> = taken.map(|taken| taken * taken).collect();
+    let middle = squares.len() / 2;
+    if squares.is_empty() {
+        return 0.0;
+    }
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+    let left = noise.powi(2) - BEYOND_FILTER * *median / (MEDIAN_OF_SQUARES * white_kept);
+    left.max(0.0).sqrt()
+}
+
 /// A Butterworth low-pass filter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Butterworth {

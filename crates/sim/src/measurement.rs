@@ -62,6 +62,8 @@ impl Sensors {
     pub(crate) fn add_clock(&mut self, effect: ClockEffect) {
         match effect {
             ClockEffect::Delay { delay_s } => self.clock_delay_s = delay_s,
+            // Of the motion that is measured, not of what sensors make of it.
+            ClockEffect::Rate { .. } => {}
         }
     }
 

@@ -335,6 +335,27 @@ fn verify_effects_change_the_drive_force_by_their_law() {
     }
 }
 
+/// A motion f times as fast takes f² times the force of a mass, and f times that of a damper.
+#[test]
+fn verify_forces_under_a_clock_that_runs_fast() {
+    let model = swinging_mass();
+    let one = |kind, target, value: f64| Effect {
+        kind,
+        target,
+        values: vec![value],
+    };
+    let viscous = one(EffectKind::JointViscous, Target::Joint(0), 200.0);
+    let factor = 1.02;
+    let rate = one(EffectKind::ClockRate, Target::Whole, factor);
+    let [plain, damped] =
+        [vec![], vec![viscous.clone()]].map(|all| model.predict(&all).unwrap().remove(0));
+    let found = model.predict(&[rate, viscous]).unwrap().remove(0);
+    for ((plain, damped), found) in plain.iter().zip(&damped).zip(&found) {
+        let expected = factor * factor * plain + factor * (damped - plain);
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+}
+
 /// A mass that swings at 0.8 Hz, 801 samples at 400 Hz.
 fn swinging_mass() -> InverseModel {
     let motion = |t: f64| 0.1 + 0.05 * (TAU * 0.8 * t).sin();

@@ -4,6 +4,7 @@
 mod changes;
 mod derived;
 mod folds;
+mod inputs;
 mod onset;
 mod waves;
 
@@ -12,6 +13,7 @@ pub(super) use waves::wave_over;
 use rayon::prelude::*;
 
 use self::folds::Folds;
+use self::inputs::{exceeds_inputs, rounding};
 use super::answer::{Ceiling, Change, CorrelatedSignal};
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
@@ -33,6 +35,8 @@ pub(super) struct Bound {
     /// Residual less the prediction of all groups found, fitted to all rows; good on the
     /// development part.
     pub left: Columns,
+    /// How many numbers made the groups found fit, of each channel.
+    pub numbers: Vec<usize>,
     /// Root mean square of that on the test part; on the development part where a group was not
     /// simulated beyond it.
     pub floor: Vec<f64>,
@@ -80,6 +84,8 @@ struct Target<'a> {
     rows: &'a [usize],
     order: usize,
     floor: f64,
+    /// Standard deviation of what the noise of measured inputs makes of the prediction.
+    of_inputs: f64,
     folds: Folds,
 }
 
@@ -104,7 +110,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         .collect();
     let groups = groups(problem, &last.predicted);
     let mut left = residual.clone();
-    let mut floor = Vec::new();
+    let (mut floor, mut numbers) = (Vec::new(), vec![0; residual.len()]);
     let (mut gain, mut sums, mut total) = (0.0, Vec::new(), 0.0);
     let mut correlated_signals = Vec::new();
     let (mut changes, mut in_time) = (Vec::new(), vec![false; residual.len()]);
@@ -162,6 +168,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         } else {
             &problem.split.test
         };
+        numbers[c] = trial.groups.iter().map(|group| group.numbers()).sum();
         left[c] = trial.left;
         floor.push(rms(&left, rows)[c]);
     }
@@ -176,15 +183,11 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         ceiling,
         gain: gain.max(0.0),
         left,
+        numbers,
         floor,
         changes,
         in_time,
     }
-}
-
-/// Standard deviation of what rounding leaves of a channel whose readings hold still.
-fn rounding(problem: &Problem, channel: usize) -> f64 {
-    problem.data.outputs[channel].held_step / 12_f64.sqrt()
 }
 
 impl<'a> Target<'a> {
@@ -197,6 +200,7 @@ impl<'a> Target<'a> {
             rows,
             order,
             floor: problem.floor[c],
+            of_inputs: problem.data.outputs[c].noise_of_inputs,
             folds: Folds::of_blocks(&problem.split.blocks, rows),
         }
     }
@@ -275,7 +279,9 @@ impl<'a> Target<'a> {
             fraction: added / total,
             t: added / error,
         };
-        let clear = added > LEAST_T * error && added > least.fraction * total;
+        let clear = added > LEAST_T * error
+            && added > least.fraction * total
+            && exceeds_inputs(self.rows, self.residual, &next.left, self.of_inputs);
         let distance = || {
             let sum = |of: fn(&Group) -> usize| next.groups.iter().map(|group| of(group)).sum();
             let freedom = Freedom {

@@ -72,8 +72,7 @@ impl Search<'_, '_> {
         let simpler = passing.into_iter().filter(|&i| {
             trials[i].point.effects.len() == trials[taken].point.effects.len()
                 && weight(self.problem, &trials[i]) < weight(self.problem, &trials[taken])
-                && distance(self.problem, &trials[i].residual, &trials[taken].residual)
-                    < LEAST_GENERALISATION
+                && !stands_out_of_special(self.problem, &trials[i], &trials[taken])
         });
         simpler.min_by(order).or(Some(taken))
     }
@@ -108,6 +107,14 @@ impl Search<'_, '_> {
             &self.problem.split.validation,
         )
     }
+}
+
+/// Whether a generalisation stands out of what it generalises: in noise of any memory, or since
+/// that leaves more than noise that is known can be. Slow noise has the shape of a drift, but not
+/// any size.
+pub(super) fn stands_out_of_special(problem: &Problem, special: &Fit, general: &Fit) -> bool {
+    distance(problem, &special.residual, &general.residual) > LEAST_GENERALISATION
+        || gain_in_size(problem, special, general, &problem.split.development) > DECISIVE
 }
 
 /// What changes no output by more than this part of what it does by itself is lost in the error of

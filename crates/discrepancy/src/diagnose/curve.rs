@@ -108,12 +108,13 @@ fn share(problem: &Problem, [base, last, ended]: [&Fit; 3]) -> f64 {
 }
 
 /// Starts of fits that promise most: each curve is first fitted beside the causes for a few steps,
-/// which is enough to see what it may explain. Friction is not linear in its values: it stops a
-/// joint, and less than none is none.
+/// which is enough to see what it may explain, or in place of those on the same joint, beside which
+/// it may have to be what it cannot be. Friction is not linear in its values: it stops a joint, and
+/// less than none is none.
 fn promising(problem: &Problem, outcome: &Outcome, wanted: Vec<usize>) -> Vec<Found> {
     let base = &outcome.chosen;
-    let sketched = |candidate: usize| -> Option<(f64, Found)> {
-        let start = started(problem, base.point.clone(), candidate, &outcome.orders)?;
+    let sketched = |point: Point, candidate: usize| -> Option<(f64, Found)> {
+        let start = started(problem, point, candidate, &outcome.orders)?;
         let train = &problem.split.train;
         let mut running = Running::begin(problem, start, train, &outcome.orders, false).ok()?;
         running.advance(SKETCHED_IN).ok()?;
@@ -122,10 +123,27 @@ fn promising(problem: &Problem, outcome: &Outcome, wanted: Vec<usize>) -> Vec<Fo
         let gain = criterion(problem, base, &orders) - criterion(problem, &found, &orders);
         (gain > 0.0).then(|| Some((gain, found.point.effects.last()?.clone())))?
     };
-    let mut found: Vec<(f64, Found)> = wanted.into_par_iter().filter_map(sketched).collect();
+    let best = |candidate: usize| {
+        let points = [
+            Some(base.point.clone()),
+            in_place(problem, &base.point, candidate),
+        ];
+        let found = points.into_iter().flatten();
+        let found = found.filter_map(|point| sketched(point, candidate));
+        found.max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let mut found: Vec<(f64, Found)> = wanted.into_par_iter().filter_map(best).collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     found.truncate(FITTED);
     found.into_iter().map(|(_, found)| found).collect()
+}
+
+/// The causes that are not on the joint of a curve, if any is.
+fn in_place(problem: &Problem, point: &Point, curve: usize) -> Option<Point> {
+    let target = &problem.candidates[curve].target;
+    let mut rest = point.clone();
+    (rest.effects).retain(|own| problem.candidates[own.candidate].target != *target);
+    (rest.effects.len() < point.effects.len()).then_some(rest)
 }
 
 /// A point with one more curve, the same everywhere: a friction as large as explains most, since
@@ -168,14 +186,9 @@ fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<Found>) -> Vec<(Fit
     let chosen = &outcome.chosen;
     let starts: Vec<Point> = (wanted.into_iter())
         .flat_map(|curve| {
-            let target = &problem.candidates[curve.candidate].target;
-            let (mut beside, mut instead) = (chosen.point.clone(), chosen.point.clone());
-            (instead.effects).retain(|own| problem.candidates[own.candidate].target != *target);
-            let both = instead.effects.len() < beside.effects.len();
-            let instead = match both {
-                true => started(problem, instead, curve.candidate, &outcome.orders),
-                false => None,
-            };
+            let mut beside = chosen.point.clone();
+            let instead = in_place(problem, &chosen.point, curve.candidate)
+                .and_then(|rest| started(problem, rest, curve.candidate, &outcome.orders));
             beside.effects.push(curve);
             [Some(beside), instead]
         })

@@ -1,14 +1,12 @@
 //! What is to be doubted about named causes: that they cancel one another, or lie at a bound.
 
-use super::answer::{Cause, ChannelErrors, Diagnosis, key_and_unit, target_name};
+use super::answer::{key_and_unit, target_name};
 use super::fit::Fit;
-use super::floor::NoiseSource;
 use super::noise::{add_columns, dot};
 use super::problem::Problem;
 use crate::model::Columns;
 use crate::stats::deviation;
-use truecut_scenario::UncertainSpec;
-use truecut_scenario::effect::{EffectKind, ParameterInfo};
+use truecut_scenario::effect::ParameterInfo;
 
 /// Whether a value lies at an end of where it was looked for. What is gone altogether is no such
 /// end: no friction, a sensor that is dead.
@@ -91,100 +89,5 @@ fn name(problem: &Problem, candidate: usize) -> String {
     match target_name(candidate) {
         Some(target) => format!("{} on {target}", candidate.kind.name()),
         None => candidate.kind.name().to_owned(),
-    }
-}
-
-/// What a link of another mass looks like in drive forces.
-const LIKE_A_LINK: [EffectKind; 3] = [
-    EffectKind::Payload,
-    EffectKind::JointCounterbalance,
-    EffectKind::SensorGain,
-];
-
-/// That a link may weigh otherwise than the robot's file says, which no effect is: where the noise
-/// is not known nothing parts that from the causes named, if no link's mass was refitted.
-pub(super) fn untried(nominal: &[UncertainSpec], diagnosis: &Diagnosis) -> Option<String> {
-    let is_known = |errors: &ChannelErrors| errors.noise_source != NoiseSource::Bound;
-    let is_drive = |name: &str| name.ends_with(".drive_torque") || name.ends_with(".drive_force");
-    let drives = |(name, errors): (&String, &ChannelErrors)| is_drive(name) && !is_known(errors);
-    if !diagnosis.channels.iter().any(drives)
-        || nominal.iter().any(|one| one.key.contains(".mass_factor"))
-    {
-        return None;
-    }
-    let is_like = |cause: &&Cause| {
-        let mut kinds = LIKE_A_LINK.iter();
-        kinds.any(|kind| kind.name() == cause.kind)
-            && cause
-                .target
-                .as_deref()
-                .is_none_or(|on| !on.contains('.') || is_drive(on))
-    };
-    let like: Vec<&str> = (diagnosis.causes.iter().filter(is_like))
-        .map(|cause| cause.kind.as_str())
-        .collect();
-    (!like.is_empty()).then(|| {
-        format!(
-            "a link that weighs otherwise than the robot's file says looks like {}, is no effect, and was not tried: \
-             robot.link.N.mass_factor under [[uncertain]] asks for it",
-            like.join(" and ")
-        )
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::BTreeMap;
-
-    use super::*;
-    use crate::diagnose::answer::Evidence;
-
-    #[test]
-    fn a_link_of_another_mass_is_told_as_not_tried() {
-        let told = |kind: &str, target: Option<&str>, noise_source, key: &str| {
-            let errors = ChannelErrors {
-                before: 1.0,
-                refitted: 1.0,
-                after: 0.1,
-                noise_floor: 0.1,
-                noise_source,
-                noise_without_memory: 0.01,
-                unit: "N m".into(),
-            };
-            let evidence = Evidence {
-                likelihood_gain: 50.0,
-                log10_odds: 9.0,
-                validation_t: 5.0,
-                practical_gain: 0.5,
-            };
-            let diagnosis = Diagnosis {
-                channels: [("joint1.drive_torque".to_owned(), errors)].into(),
-                causes: vec![Cause {
-                    kind: kind.into(),
-                    target: target.map(str::to_owned),
-                    parameters: BTreeMap::new(),
-                    evidence,
-                }],
-                ..Diagnosis::default()
-            };
-            let nominal = UncertainSpec {
-                key: key.into(),
-                value: 1.0,
-                sigma: 0.02,
-            };
-            untried(&[nominal], &diagnosis)
-        };
-        let (all, bound) = ("robot.inertia_scale", NoiseSource::Bound);
-        for (kind, target) in [
-            ("payload", None),
-            ("joint_counterbalance", Some("joint1")),
-            ("sensor_gain", Some("joint1.drive_torque")),
-        ] {
-            let words = format!("looks like {kind}, is no effect, and was not tried");
-            assert!(told(kind, target, bound, all).is_some_and(|text| text.contains(&words)));
-            assert_eq!(told(kind, target, NoiseSource::Stated, all), None);
-            assert_eq!(told(kind, target, bound, "robot.link.0.mass_factor"), None);
-        }
-        assert_eq!(told("joint_coulomb", Some("joint1"), bound, all), None);
     }
 }

@@ -70,7 +70,7 @@ impl NoiseSample {
 }
 
 /// Where the noise is known: least significant ratio of the residual's variance to it.
-const EXCESS: f64 = 1.25;
+pub(super) const EXCESS: f64 = 1.25;
 /// And in standard errors of the logarithm of that ratio.
 const LEAST_T: f64 = 4.0;
 /// Longest memory of a sample's autoregression, and samples for each coefficient.

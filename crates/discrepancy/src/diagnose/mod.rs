@@ -256,10 +256,6 @@ pub(crate) fn explain(
             conclude::conclude(&problem, before, outcome)?
         }
     };
-    if part.has_units {
-        let untried = doubts::untried(model.nominal(), &answer.diagnosis);
-        answer.diagnosis.doubts.extend(untried);
-    }
     if let Some(told) = set_up_doubt(model, data, &answer.after) {
         // Causes in a set-up that is not the machine's are none.
         answer.unname(problem.start().nominal);

@@ -4,15 +4,15 @@
 use rayon::prelude::*;
 
 use super::DiagnoseError;
-use super::choice::{criterion, weight};
+use super::choice::{criterion, stands_out_of_special, weight};
 use super::fit::{Fit, fit};
-use super::memory::{LEAST_GENERALISATION, distance};
 use super::noise::Noise;
 use super::problem::Point;
 use super::race::Race;
 use super::screen::rank;
 use super::search::{DECISIVE, Outcome, REFINED, Search, extended, settled, without};
 use super::signature::tests;
+use super::validate::gain_in_size;
 
 /// Sizes, in parts of those found, from which a fit is made again.
 const RESTARTS: [f64; 4] = [-1.0, 0.4, 2.5, 4.0];
@@ -158,11 +158,13 @@ impl Search<'_, '_> {
         let here = value(chosen) - DECISIVE;
         // One with more numbers has paid for them; what it generalises it must stand out of.
         let heavier_is_right = |fit: &Fit| {
-            self.paired(chosen, fit).gain > 0.0
-                && distance(problem, &chosen.residual, &fit.residual) > LEAST_GENERALISATION
+            self.paired(chosen, fit).gain > 0.0 && stands_out_of_special(problem, chosen, fit)
         };
+        // An autoregression of what is left follows what a wrong one leaves as well as noise.
+        let development = &problem.split.development;
         let better = |fit: &&Fit| {
             value(fit) < here
+                && gain_in_size(problem, fit, chosen, development) < DECISIVE
                 && (weight(problem, fit) <= weight(problem, chosen) || heavier_is_right(fit))
         };
         let pairs = outcome.pairs.iter().filter(better);

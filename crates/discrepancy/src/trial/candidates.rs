@@ -5,10 +5,10 @@
 //! wind-up.
 #![deny(clippy::wildcard_enum_match_arm)]
 
+mod joints;
 mod targets;
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 use truecut_recording::ChannelSpec;
 use truecut_scenario::effect::{
@@ -18,9 +18,10 @@ use truecut_scenario::effect::{
 use truecut_scenario::{FootSpec, ProcessSpec, Scenario, WheelHold, WheelPart};
 use truecut_sim::misfit;
 
+use self::joints::joint_scale;
 pub(super) use self::targets::delays_drive_forces;
 use self::targets::{targets, why_untold};
-use super::signals::{JointSignals, Signals};
+use super::signals::Signals;
 use crate::model::Candidate;
 
 /// Part of a signal that a typical effect changes.
@@ -97,6 +98,13 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
     let scale = match effect.typed()? {
         // No candidates of the search: see `curves`.
         Typed::Curve(..) => return None,
+        // Where a tool is led against a part, or a force let go, the arm hardly moves: what a link
+        // weighs is borne, and its share of a mode is the others' as well.
+        Typed::Joint(_, JointEffect::LinkMass { .. })
+            if !matches!(scenario.process, ProcessSpec::Replay(_)) =>
+        {
+            return None;
+        }
         Typed::Joint(joint, effect) => joint_scale(&signals.joints[joint], effect)?.values(),
         Typed::Robot(effect) => robot_scale(signals, effect).values(),
         Typed::Base(_, effect) => base_scale(signals, effect).values(),
@@ -113,77 +121,6 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
         }
     };
     (scale.iter().all(|s| s.is_finite() && *s > 0.0)).then_some(scale)
-}
-
-/// Most cycles per 2 pi of the coordinate that are looked for.
-const MOST_CYCLES: f64 = 160.0;
-/// A joint that turns the phase of a ripple by less than this shows a constant, which a ripple
-/// cannot be told from, rad.
-const LEAST_PHASE: f64 = 0.1;
-
-/// Under a load that varies by less than this part of itself, friction that grows with the load is
-/// dry friction.
-const LEAST_VARIATION: f64 = 0.2;
-
-fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<JointEffect> {
-    use JointEffect as E;
-    let effort = SHARE * joint.effort;
-    let per_speed = effort / joint.speed;
-    let windup = joint.stiffness.map(|k| joint.effort / k);
-    Some(match effect {
-        E::Stiffness { .. } => joint.stiffness.map(|_| E::Stiffness { factor: SHARE })?,
-        E::Damping { .. } => joint.stiffness.map(|_| E::Damping { factor: 1.0 })?,
-        E::Viscous { .. } => E::Viscous { viscous: per_speed },
-        E::AsymmetricViscous { .. } => E::AsymmetricViscous {
-            positive: per_speed,
-            negative: per_speed,
-        },
-        E::Coulomb { .. } => E::Coulomb { friction: effort },
-        E::Offset { .. } => E::Offset { force: effort },
-        E::Zero { .. } => E::Zero {
-            offset: SHARE * SHARE,
-        },
-        E::LoadFriction { .. } => {
-            if joint.effort_varies.is_nan() || joint.effort_varies < LEAST_VARIATION {
-                return None;
-            }
-            E::LoadFriction { share: 0.5 * SHARE }
-        }
-        E::AsymmetricCoulomb { .. } => E::AsymmetricCoulomb {
-            positive: effort,
-            negative: effort,
-        },
-        E::Counterbalance { .. } => E::Counterbalance {
-            cosine: effort,
-            sine: effort,
-        },
-        E::Stribeck { .. } => E::Stribeck {
-            excess: effort,
-            speed: 0.2 * joint.speed,
-        },
-        E::Backlash { .. } => E::Backlash {
-            gap: 2.0 * SHARE * windup?,
-        },
-        E::Hysteresis { .. } => E::Hysteresis {
-            amplitude: effort,
-            yield_windup: windup?,
-        },
-        E::CubicStiffness { .. } => E::CubicStiffness {
-            cubic: SHARE * joint.stiffness? / windup?.powi(2),
-        },
-        E::Ripple { .. } => {
-            let turn = if joint.rotary { 1.0 } else { TAU };
-            if MOST_CYCLES * turn * joint.travel < LEAST_PHASE {
-                return None;
-            }
-            let amplitude = SHARE * windup?;
-            E::Ripple {
-                cosine: amplitude,
-                sine: amplitude,
-                cycles: 0.1 / joint.travel,
-            }
-        }
-    })
 }
 
 fn robot_scale(signals: &Signals, effect: RobotEffect) -> RobotEffect {
@@ -370,6 +307,9 @@ fn clock_scale(signals: &Signals, effect: ClockEffect) -> Option<ClockEffect> {
     several.then_some(match effect {
         ClockEffect::Delay { .. } => ClockEffect::Delay {
             delay_s: signals.interval_s,
+        },
+        ClockEffect::Rate { .. } => ClockEffect::Rate {
+            factor: SHARE * SHARE,
         },
     })
 }

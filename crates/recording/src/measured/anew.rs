@@ -46,7 +46,7 @@ impl Measured {
                     role: channel.role,
                     values,
                     valid,
-                    noise: channel.noise.map(|noise| noise * series.white_share(&base)),
+                    noise: (channel.noise).map(|noise| series.noise_left(noise, &base, gaps)),
                     white_kept: channel.white_kept * series.white_kept(&base),
                 }
             })

@@ -204,7 +204,7 @@ fn channels(
             role: channel.role,
             values,
             valid,
-            noise: channel.noise.map(|noise| noise * series.white_share(base)),
+            noise: (channel.noise).map(|noise| series.noise_left(noise, base, gaps)),
             white_kept: series.white_kept(base),
         });
     }

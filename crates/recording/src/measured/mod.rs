@@ -13,6 +13,7 @@ mod inspect;
 mod outputs;
 mod place;
 mod resample;
+mod smoothed;
 mod spikes;
 mod table;
 #[cfg(test)]

@@ -1,15 +1,11 @@
 //! One uniform time base for all channels.
 
 use super::place::Place;
+use super::smoothed::{ANTI_ALIAS_ORDER, ANTI_ALIAS_SHARE};
 use super::{ChannelMapping, DataError, MIN_SAMPLES, Mapping};
-use crate::filter::Butterworth;
 use crate::spline::spline_slopes;
 use crate::unit::significant;
 
-/// Order of the filter that keeps out what would fold back; run forward and backward it acts twice.
-const ANTI_ALIAS_ORDER: usize = 4;
-/// Its cutoff as a share of the new rate.
-const ANTI_ALIAS_SHARE: f64 = 0.4;
 /// A channel counts as faster than the result from this ratio of rates on.
 const FASTER: f64 = 1.2;
 /// Samples that are further apart, in median intervals, have a gap between them; cubics cross none.
@@ -49,21 +45,8 @@ impl Series {
         base.interval_s / self.interval_s() > FASTER
     }
 
-    /// Part of the standard deviation of white noise that resampling leaves.
-    pub fn white_share(&self, base: &Base) -> f64 {
-        let interval_s = self.interval_s();
-        match self.is_smoothed(base) {
-            false => 1.0,
-            true => Butterworth::white_share(
-                ANTI_ALIAS_ORDER,
-                ANTI_ALIAS_SHARE / base.interval_s,
-                1.0 / interval_s,
-            ),
-        }
-    }
-
     /// Median time between samples.
-    fn interval_s(&self) -> f64 {
+    pub fn interval_s(&self) -> f64 {
         median_interval_s(&self.time_s)
     }
 
@@ -82,7 +65,7 @@ impl Series {
     }
 
     /// Where on the series uniform times lie; cubics cross gaps of `smooth_gap_s`.
-    fn on(
+    pub fn on(
         &self,
         start_s: f64,
         interval_s: f64,
@@ -186,9 +169,9 @@ pub(super) fn median_interval_s(time_s: &[f64]) -> f64 {
 /// The uniform times of the result.
 #[derive(Debug)]
 pub(super) struct Base {
-    start_s: f64,
-    interval_s: f64,
-    samples: usize,
+    pub start_s: f64,
+    pub interval_s: f64,
+    pub samples: usize,
     file_interval_s: f64,
 }
 
@@ -318,32 +301,27 @@ pub(super) fn resample(series: &Series, base: &Base, gaps: Gaps) -> (Vec<f64>, V
     if !series.is_smoothed(base) {
         return on_grid(series, base.start_s, base.interval_s, base.samples, gaps);
     }
-    let every = (base.interval_s / series.interval_s()).ceil() as usize;
-    let fine_s = base.interval_s / every as f64;
-    let fine = (base.samples - 1) * every + 1;
-    let (values, valid) = on_grid(series, base.start_s, fine_s, fine, gaps);
-    let filter = Butterworth::low_pass(
-        ANTI_ALIAS_ORDER,
-        ANTI_ALIAS_SHARE / base.interval_s,
-        1.0 / fine_s,
-    );
-    let smooth = filter.zero_phase(&values);
+    let fine = series.smoothed(base, gaps);
+    let every = fine.every;
     // A filtered sample is a measurement if everything within a period of the cutoff is one.
     let reach = (every as f64 / ANTI_ALIAS_SHARE).ceil() as usize;
-    let mut good_until = vec![0_usize; fine + 1];
-    for (k, valid) in valid.iter().enumerate() {
+    let mut good_until = vec![0_usize; fine.valid.len() + 1];
+    for (k, valid) in fine.valid.iter().enumerate() {
         good_until[k + 1] = good_until[k] + usize::from(*valid);
     }
     let at = |k: usize| {
-        let (from, to) = (k.saturating_sub(reach), (k + reach + 1).min(fine));
+        let (from, to) = (
+            k.saturating_sub(reach),
+            (k + reach + 1).min(fine.valid.len()),
+        );
         good_until[to] - good_until[from] == to - from
     };
     (0..base.samples)
-        .map(|k| (smooth[k * every], at(k * every)))
+        .map(|k| (fine.smooth[k * every], at(k * every)))
         .unzip()
 }
 
-fn on_grid(
+pub(super) fn on_grid(
     series: &Series,
     start_s: f64,
     interval_s: f64,

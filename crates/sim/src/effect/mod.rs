@@ -24,7 +24,9 @@ use std::sync::Arc;
 use truecut_arm::{Joint, JointKind, Robot};
 use truecut_core::joint_law::{BoucWen, Counterbalance, Curve, JointLaw, LinkFriction, Ripple};
 use truecut_scenario::Scenario;
-use truecut_scenario::effect::{BaseEffect, CurveEffect, Effect, JointEffect, RobotEffect, Typed};
+use truecut_scenario::effect::{
+    BaseEffect, ClockEffect, CurveEffect, Effect, JointEffect, RobotEffect, Typed,
+};
 
 /// All effects of a scenario.
 #[derive(Debug, Clone, Default)]
@@ -36,6 +38,8 @@ pub(crate) struct Effects {
     pub base: Vec<(usize, f64)>,
     /// World axis and angle (rad) of every turn in which the base stands.
     pub tilts: Vec<(usize, f64)>,
+    /// Speed of the motion over that by the times of the data, where these are not the motion's.
+    pub clock_rate: Option<f64>,
     pub cutting: CuttingEffects,
     pub milling: MillingEffects,
     pub foot: FootEffects,
@@ -54,6 +58,8 @@ pub(crate) struct JointEffects {
     pub law: JointLaw,
     /// True coordinate less the one that is reported and commanded, rad (m).
     pub zero: f64,
+    /// Of the link that it moves.
+    pub mass_factor: f64,
 }
 
 impl Default for JointEffects {
@@ -64,6 +70,7 @@ impl Default for JointEffects {
             friction: LinkFriction::coulomb(0.0),
             law: JointLaw::default(),
             zero: 0.0,
+            mass_factor: 1.0,
         }
     }
 }
@@ -138,6 +145,7 @@ impl Effects {
             Typed::Milling(effect) => self.milling.add(effect),
             Typed::Foot(effect) => self.foot.add(effect),
             Typed::Wheel(effect) => self.wheel.add(effect),
+            Typed::Clock(ClockEffect::Rate { factor }) => self.clock_rate = Some(factor),
             Typed::Clock(effect) => self.sensors.add_clock(effect),
             Typed::Sensor(channel, effect) => self.sensors.add(channel, effect),
         }
@@ -231,6 +239,7 @@ impl JointEffects {
             }
             JointEffect::Offset { force } => law.offset = force,
             JointEffect::Zero { offset } => self.zero = offset,
+            JointEffect::LinkMass { factor } => self.mass_factor = factor,
         }
     }
 }

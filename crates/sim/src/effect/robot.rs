@@ -57,12 +57,18 @@ pub(crate) fn alter(nominal: &Robot, effects: &Effects) -> Result<Altered, SimEr
     })
 }
 
-/// Builds the arm as it stands: its payload, and the links where the zeros of their joints leave
-/// them. Coordinates stay those that are reported.
+/// Builds the arm as it stands: its payload, links as heavy as they are, and where the zeros of
+/// their joints leave them. Coordinates stay those that are reported.
 pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimError> {
     for (joint, effect) in robot.chain.joints.iter_mut().zip(&effects.joints) {
         if effect.zero != 0.0 {
             joint.shift_zero(effect.zero);
+        }
+    }
+    for (link, effect) in robot.chain.links.iter_mut().zip(&effects.joints) {
+        if effect.mass_factor != 1.0 {
+            link.mass_kg *= effect.mass_factor;
+            link.inertia_about_com_kg_m2 *= effect.mass_factor;
         }
     }
     match &effects.payload {
@@ -168,5 +174,34 @@ mod tests {
         assert!((first - at * 35.0).norm() < 1e-12);
         let second = about_origin(after) - about_origin(before);
         assert!((second - point_inertia(35.0, &at)).norm() < 1e-12);
+    }
+
+    /// A link of another mass is the one whose mass a scenario's `[[robot.link]]` changes: mass and
+    /// inertia about the centre grow alike, nothing else does.
+    #[test]
+    fn verify_a_link_of_another_mass() {
+        let urdf = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../assets/robots/irb6600_175_255/robot.urdf");
+        let nominal = Robot::load(&urdf, None, None).expect("asset");
+        let mut effects = Effects {
+            joints: vec![super::super::JointEffects::default(); nominal.dof()],
+            ..Effects::default()
+        };
+        effects.joints[2].mass_factor = 1.3;
+        let mut altered = nominal.clone();
+        build_in(&mut altered, &effects).expect("a link");
+        for (at, (before, after)) in nominal
+            .chain
+            .links
+            .iter()
+            .zip(&altered.chain.links)
+            .enumerate()
+        {
+            let factor = if at == 2 { 1.3 } else { 1.0 };
+            assert_eq!(after.mass_kg, before.mass_kg * factor);
+            assert_eq!(after.com_m, before.com_m);
+            let inertia = before.inertia_about_com_kg_m2 * factor;
+            assert_eq!(after.inertia_about_com_kg_m2, inertia);
+        }
     }
 }

@@ -14,10 +14,10 @@ use super::drive_forces::{FILTER_ORDER, filtered};
 use super::inputs::{JointQuantity, Source, joint_channel};
 use super::motion::Motion;
 use super::regressors::BodyRegressors;
-use super::rigid::{Forces, forces, nominal, without_friction};
+use super::rigid::{Forces, nominal, without_friction};
 use super::{check_part, in_force, refused, sense};
 use crate::channels::drive_spec;
-use crate::effect::{Effects, JointEffects, Payload, build_in};
+use crate::effect::{Effects, JointEffects, Payload};
 use crate::error::SimError;
 use crate::robots::Robots;
 use nalgebra::{Point3, Vector3};
@@ -231,7 +231,9 @@ impl InverseModel {
             self.check(effect)?;
         }
         let sum = Effects::sum(all, &self.robot.chain.joints);
-        let built = self.as_it_stands(nominal, &sum)?;
+        let retimed = sum.clock_rate.map(|rate| self.motion.faster(rate));
+        let motion = retimed.as_ref().unwrap_or(&self.motion);
+        let built = self.as_it_stands(nominal, &sum, motion)?;
         let nominal = built.as_ref().unwrap_or(nominal);
         let mut columns = nominal.drive.clone();
         // In an arm that stands elsewhere it is built in.
@@ -243,7 +245,7 @@ impl InverseModel {
         for (at, &joint) in self.joints.iter().enumerate() {
             let effects = &sum.joints[joint];
             if !effects.is_built_in() {
-                let against = self.against(at, effects, payload, &nominal.passed_on[at]);
+                let against = self.against(at, effects, payload, &nominal.passed_on[at], motion);
                 for (sum, force) in columns[at].iter_mut().zip(against) {
                     *sum += force;
                 }
@@ -252,30 +254,6 @@ impl InverseModel {
         // Sensors see the sum of all torques, so they come last.
         sense(&sum, &self.specs, &self.measured.time_s, &mut columns);
         Ok(columns)
-    }
-
-    /// Forces of the same arm, payload included, where gravity comes from another direction or
-    /// links stand beyond what their joints report; `None` where neither is.
-    fn as_it_stands(
-        &self,
-        reported: &Forces,
-        effects: &Effects,
-    ) -> Result<Option<Forces>, SimError> {
-        let is_off = effects.joints.iter().any(|joint| joint.zero != 0.0);
-        if effects.tilts.is_empty() && !is_off {
-            return Ok(None);
-        }
-        let mut robot = reported.robot.clone();
-        build_in(Arc::make_mut(&mut robot), effects)?;
-        let gravity_m_s2 = effects.gravity_on_base(self.motion.gravity_m_s2);
-        let (motion, filter) = (&self.motion, &self.filter);
-        Ok(Some(forces(
-            &robot,
-            motion,
-            &gravity_m_s2,
-            &self.joints,
-            filter,
-        )))
     }
 
     /// Refuses an effect that plays no part in inverse dynamics, or is on what is not predicted.
@@ -309,9 +287,10 @@ impl InverseModel {
         effects: &JointEffects,
         payload: Option<&Payload>,
         passed_on: &[f64],
+        motion: &Motion,
     ) -> Vec<f64> {
         let joint = self.joints[at];
-        let (position, velocity) = (&self.motion.position[joint], &self.motion.velocity[joint]);
+        let (position, velocity) = (&motion.position[joint], &motion.velocity[joint]);
         let instants = position.iter().zip(velocity);
         let mut law: Vec<f64> = instants.map(|(q, v)| effects.against(*q, *v)).collect();
         let share = effects.friction.load_share;

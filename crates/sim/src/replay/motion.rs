@@ -62,8 +62,8 @@ impl Motion {
         }
     }
 
-    /// The same course under gravity along a unit vector and `speed` times as fast.
-    pub fn set_up(&self, gravity_direction: Vector3<f64>, speed: f64) -> Motion {
+    /// The same course `speed` times as fast.
+    pub fn faster(&self, speed: f64) -> Motion {
         let times = |columns: &[Vec<f64>], factor: f64| -> Vec<Vec<f64>> {
             let columns = columns.iter();
             columns
@@ -74,7 +74,15 @@ impl Motion {
             position: self.position.clone(),
             velocity: times(&self.velocity, speed),
             acceleration: times(&self.acceleration, speed * speed),
+            gravity_m_s2: self.gravity_m_s2,
+        }
+    }
+
+    /// The same course under gravity along a unit vector and `speed` times as fast.
+    pub fn set_up(&self, gravity_direction: Vector3<f64>, speed: f64) -> Motion {
+        Motion {
             gravity_m_s2: gravity_direction * self.gravity_m_s2.norm(),
+            ..self.faster(speed)
         }
     }
 

@@ -53,8 +53,9 @@ pub(super) fn keep_large(
     bound.changes.iter().map(part).fold(0.0, f64::max)
 }
 
-/// Whether what changes over time leaves less than a curve does where both are: no law of a place
-/// or a speed is told for it.
+/// Whether what changes over time leaves less than a curve does where both are, its numbers paid
+/// for by Schwarz's criterion: no law of a place or a speed is told for it. What more numbers take
+/// of the noise is no merit.
 pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve: &Fit) -> bool {
     let rows = &problem.split.development;
     let left = rms(&bound.left, rows);
@@ -62,7 +63,11 @@ pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve
     let specs = problem.model.channels().iter().enumerate();
     let mut changed =
         specs.filter(|(_, spec)| bound.changes.iter().any(|one| one.channel == spec.name));
-    changed.any(|(c, _)| left[c] < with[c] && with[c] != without[c])
+    changed.any(|(c, _)| {
+        let n = rows.per_channel[c].len() as f64;
+        let merit = 2.0 * n * (with[c] / left[c]).ln();
+        merit > bound.numbers[c] as f64 * n.ln() && with[c] != without[c]
+    })
 }
 
 /// Changes that the reason tells at most.

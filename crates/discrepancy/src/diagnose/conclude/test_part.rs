@@ -82,7 +82,9 @@ fn first_of(rows: &Rows) -> usize {
 }
 
 /// Whether the error on the test part is clearly larger than before it: whitened, or as it is about
-/// its median. Slow noise wanders, so a mean alone must be far away.
+/// its median. Slow noise wanders, so a mean alone must be far away. What noise that is known comes
+/// to by itself is no discrepancy, unless it has a pattern that the part before has nothing like;
+/// repetition counts what a last part has alone as noise, and says nothing here.
 fn breaks_away(problem: &Problem, last: &Fit) -> bool {
     let (before, test) = (&problem.split.development, &problem.split.test);
     (0..last.residual.len()).any(|c| {
@@ -90,7 +92,13 @@ fn breaks_away(problem: &Problem, last: &Fit) -> bool {
         let whitened = |rows: &Rows| noise.whiten(column, &rows.per_channel[c]);
         let plain = |rows: &Rows| ChannelNoise::WHITE.whiten(column, &rows.per_channel[c]);
         let (a, b) = (plain(before), plain(test));
-        is_larger(&whitened(before), &whitened(test), 6.0, 1.25)
+        let known = problem.known[c].as_ref();
+        let is_noise = known.is_some_and(|floor| {
+            floor.source != NoiseSource::Repetition
+                && floor.beyond(column, &test.per_channel[c]).is_none()
+        });
+        let (least, ratio) = if is_noise { (8.0, 4.0) } else { (6.0, 1.25) };
+        is_larger(&whitened(before), &whitened(test), least, ratio)
             || is_larger(&about_median(&a), &about_median(&b), 8.0, 4.0)
             || is_larger(&a, &b, 8.0, 12.0)
     })

@@ -1,6 +1,7 @@
 //! Noise as it is stated, for samples of the file, carried through the filter of drive forces.
 
 use truecut_recording::fft::Complex64;
+use truecut_recording::filter::left_of_noise;
 use truecut_recording::measured::MeasuredChannel;
 use truecut_sim::InverseModel;
 
@@ -11,10 +12,6 @@ use crate::stats::quiet_density;
 /// (seeds 9300000 on, all colours of noise) one in twenty is given less than .73 of its standard
 /// deviation.
 pub(super) const ERROR: f64 = 0.15;
-/// Part of what lies beyond a filter that counts as noise; the variance itself is uncertain.
-const BEYOND_FILTER: f64 = 1.1;
-/// Median of the square of a standard normal number: of χ² with one degree of freedom.
-const MEDIAN_OF_SQUARES: f64 = 0.454_936;
 /// Part of the segments in which friction's jumps add little.
 const QUIET: f64 = 0.3;
 /// Where the noise's density is looked at: from so many times the cutoff to a part of the rate,
@@ -57,28 +54,11 @@ pub(super) fn carried(
     let taken: Vec<f64> = (raw.values.iter().zip(&used.values))
         .map(|(raw, used)| raw - used)
         .collect();
-    let by_size = left_of(noise, &taken, raw.white_kept, &used.valid);
+    let is_kept = taken.iter().zip(&used.valid).filter(|(_, valid)| **valid);
+    let by_size = left_of_noise(noise, is_kept.map(|(taken, _)| *taken), raw.white_kept);
     let by_colour = share_of_colour(noise, filter, &taken, raw.white_kept, &used.valid);
     let by_colour = noise * by_colour.unwrap_or(0.0);
     (filter.share * noise).max(by_size).max(by_colour)
-}
-
-/// What the filter has not taken of the noise, whose size between the file's samples interpolation
-/// has changed. By the median of the squares: of a jump, which friction makes at each reversal, and
-/// of a spike a filter leaves much, for a short time.
-fn left_of(noise: f64, taken: &[f64], white_kept: f64, valid: &[bool]) -> f64 {
-    let rows = taken.iter().zip(valid);
-    let mut squares: Vec<f64> = rows
-        .filter(|(_, valid)| **valid)
-        .map(|(taken, _)| taken * taken)
-        .collect();
-    let middle = squares.len() / 2;
-    if squares.is_empty() {
-        return 0.0;
-    }
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    let left = noise.powi(2) - BEYOND_FILTER * *median / (MEDIAN_OF_SQUARES * white_kept);
-    left.max(0.0).sqrt()
 }
 
 /// Part of the standard deviation that the filter leaves of noise of this size whose density beyond

@@ -144,6 +144,10 @@ Joint: JointEffect on Joint(joint: usize = *joint) {
         offset: "True coordinate less the reported one"
             = joint("offset_m", Unit::Metre, "offset_rad", Unit::Radian, 0.0, -1.6, 1.6),
     }
+    LinkMass "link_mass" is LinkMass in [Driven, Free, Inverse]:
+        "The link that the joint moves is heavier or lighter than its file says; its centre stays." {
+        factor: "Times the nominal mass and inertia about the centre of mass" = factor(0.05, 20.0).starts(&[1.1]),
+    }
 }
 /// A law of a joint without a name, by values at even places over its position or its speed. Of
 /// these the named one is the first; the whole is [`Effect::curve`].
@@ -347,6 +351,10 @@ Clock: ClockEffect on Whole {
         "All that is measured comes late against the commands: two clocks, or late commands." {
         delay_s: "Of all measured channels"
             = same("delay_s", Unit::Second, 0.0, -1.0, 1.0).starts(&[0.002, 0.01]),
+    }
+    ClockRate "clock_rate" is Rate in [Inverse]:
+        "The clock of the data runs slow or fast: the motion is faster or slower than its times say." {
+        factor: "Speed of the motion over that by the times of the data" = factor(0.5, 2.0).starts(&[1.01]),
     }
 }
 /// What a sensor makes of a channel.

@@ -1,9 +1,14 @@
 //! The same arm and data in other set-ups.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::{InverseModel, nominal};
+use crate::effect::{Effects, build_in};
+use crate::error::SimError;
 use crate::replay::motion::Motion;
+use crate::replay::rigid::{Forces, forces};
 
 impl InverseModel {
     /// The same arm and data under gravity along a unit vector, and `speed` times as fast. What a
@@ -26,6 +31,32 @@ impl InverseModel {
             motion,
             ..self.clone()
         }
+    }
+
+    /// Forces of the same arm, payload included, where gravity comes from another direction, links
+    /// are heavier than in their files or stand beyond what their joints report, or the motion is
+    /// faster than the data say; `None` where none of this is.
+    pub(super) fn as_it_stands(
+        &self,
+        reported: &Forces,
+        effects: &Effects,
+        motion: &Motion,
+    ) -> Result<Option<Forces>, SimError> {
+        let mut joints = effects.joints.iter();
+        let is_other = joints.any(|joint| joint.zero != 0.0 || joint.mass_factor != 1.0);
+        if effects.tilts.is_empty() && effects.clock_rate.is_none() && !is_other {
+            return Ok(None);
+        }
+        let mut robot = reported.robot.clone();
+        build_in(Arc::make_mut(&mut robot), effects)?;
+        let gravity_m_s2 = effects.gravity_on_base(self.motion.gravity_m_s2);
+        Ok(Some(forces(
+            &robot,
+            motion,
+            &gravity_m_s2,
+            &self.joints,
+            &self.filter,
+        )))
     }
 
     /// Where gravity points in the scenario; `None` without.

@@ -1,0 +1,80 @@
+//! Typical sizes of effects in joints and on the links that they move.
+
+use std::f64::consts::TAU;
+
+use truecut_scenario::effect::JointEffect;
+
+use super::SHARE;
+use crate::trial::signals::JointSignals;
+
+/// Most cycles per 2 pi of the coordinate that are looked for.
+const MOST_CYCLES: f64 = 160.0;
+/// A joint that turns the phase of a ripple by less than this shows a constant, which a ripple
+/// cannot be told from, rad.
+const LEAST_PHASE: f64 = 0.1;
+
+/// Under a load that varies by less than this part of itself, friction that grows with the load is
+/// dry friction.
+const LEAST_VARIATION: f64 = 0.2;
+
+pub(super) fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<JointEffect> {
+    use JointEffect as E;
+    let effort = SHARE * joint.effort;
+    let per_speed = effort / joint.speed;
+    let windup = joint.stiffness.map(|k| joint.effort / k);
+    Some(match effect {
+        E::Stiffness { .. } => joint.stiffness.map(|_| E::Stiffness { factor: SHARE })?,
+        E::Damping { .. } => joint.stiffness.map(|_| E::Damping { factor: 1.0 })?,
+        E::Viscous { .. } => E::Viscous { viscous: per_speed },
+        E::AsymmetricViscous { .. } => E::AsymmetricViscous {
+            positive: per_speed,
+            negative: per_speed,
+        },
+        E::Coulomb { .. } => E::Coulomb { friction: effort },
+        E::Offset { .. } => E::Offset { force: effort },
+        E::Zero { .. } => E::Zero {
+            offset: SHARE * SHARE,
+        },
+        E::LinkMass { .. } => E::LinkMass { factor: SHARE },
+        E::LoadFriction { .. } => {
+            if joint.effort_varies.is_nan() || joint.effort_varies < LEAST_VARIATION {
+                return None;
+            }
+            E::LoadFriction { share: 0.5 * SHARE }
+        }
+        E::AsymmetricCoulomb { .. } => E::AsymmetricCoulomb {
+            positive: effort,
+            negative: effort,
+        },
+        E::Counterbalance { .. } => E::Counterbalance {
+            cosine: effort,
+            sine: effort,
+        },
+        E::Stribeck { .. } => E::Stribeck {
+            excess: effort,
+            speed: 0.2 * joint.speed,
+        },
+        E::Backlash { .. } => E::Backlash {
+            gap: 2.0 * SHARE * windup?,
+        },
+        E::Hysteresis { .. } => E::Hysteresis {
+            amplitude: effort,
+            yield_windup: windup?,
+        },
+        E::CubicStiffness { .. } => E::CubicStiffness {
+            cubic: SHARE * joint.stiffness? / windup?.powi(2),
+        },
+        E::Ripple { .. } => {
+            let turn = if joint.rotary { 1.0 } else { TAU };
+            if MOST_CYCLES * turn * joint.travel < LEAST_PHASE {
+                return None;
+            }
+            let amplitude = SHARE * windup?;
+            E::Ripple {
+                cosine: amplitude,
+                sine: amplitude,
+                cycles: 0.1 / joint.travel,
+            }
+        }
+    })
+}
