@@ -9,7 +9,7 @@ use truecut::recording::ChannelSpec;
 use truecut::scenario::UncertainSpec;
 use truecut::scenario::effect::Effect;
 use truecut::{Engine, KeptModel, Scenario, SweepOutputs, SweepParts};
-use truecut_arm::{MeshData, Robot, expanded_urdf};
+use truecut_arm::{Robot, expanded_urdf};
 use truecut_plan::surface::part::{Part, PartOptions};
 use truecut_plan::surface::{Mesh, MeshUse};
 use truecut_plan::surface_path::TaughtPoints;
@@ -189,13 +189,12 @@ pub(crate) fn search_goes_on(case: &Case) -> Result<(), String> {
 /// As a part, a face and a body.
 pub(crate) fn mesh(case: &Case) -> Result<(), String> {
     let path = case.written();
-    let data = MeshData::load(&path).map_err(|error| error.to_string())?;
     let options = PartOptions {
         unit_m: 1e-3,
         crease_rad: 0.5,
         weld_m: None,
     };
-    let part = Part::of(data, &options, &|_| ());
+    let part = Part::load(&path, &options, &|_| ());
     part.map_err(|error| error.to_string())?;
     said(Mesh::load(&path, 1e-3, MeshUse::Face))?;
     said(Mesh::load(&path, 1e-3, MeshUse::Body))

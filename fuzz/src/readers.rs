@@ -310,7 +310,7 @@ fn xacros() -> Vec<Seed> {
 
 fn meshes() -> Vec<Seed> {
     let folders = ["scenarios", "assets", "tests/invalid_input", "crates/arm"];
-    seeds(&folders, &["stl", "obj", "ply"], |_, _| true)
+    seeds(&folders, &["stl", "obj", "ply", "step"], |_, _| true)
 }
 
 fn tables() -> Vec<Seed> {

@@ -102,8 +102,7 @@ fn a_job_that_collides_is_told_with_pair_and_place_and_gets_no_program() {
 
 /// The belt's wheel is at its size in a run, too, and the part of its job stands there. Beside a
 /// post the wheel is what comes nearest, and fails a claim. With the post further off that is the
-/// ball which the arm draws in the middle of its tool: it belongs to the last link, which may not
-/// touch the part, while the wheel works on it.
+/// spindle, which belongs to the last link and may not touch the part, while the wheel works on it.
 #[test]
 fn a_run_whose_wheel_comes_near_a_post_fails_the_claim_on_clearance() {
     let desk = Desk::new();

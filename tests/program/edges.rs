@@ -33,8 +33,8 @@ fn a_rim_becomes_a_program_that_reads_back() {
     let dialect = ["--dialect", "jbi", "--option", "date=2026-01-31 12:00"];
     let output = desk.truecut(&[&["path", file, "--name", "BORE"][..], &dialect].concat());
     assert!(output.status.success(), "{}", told(&output));
-    // The brush works on the part; the ball that the arm draws in its middle is of the last link.
-    let nearest = "9.000 mm  ✓ least, of \"link_6\" from \"part\"";
+    // The brush works on the part, and comes to it from its lift of 15 mm.
+    let nearest = " mm  ✓ least, of \"brush\" from \"part\"";
     for wanted in [nearest, "edge 1", "157 mm of edge"] {
         assert!(
             told(&output).contains(wanted),

@@ -1,6 +1,6 @@
 //! `truecut part`: what is understood of a part's mesh.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use serde::Serialize;
@@ -84,6 +84,7 @@ fn printed(name: &str, part: &Part, arguments: &PartArguments) -> String {
         ));
     }
     text.push_str(&defects(part));
+    text.push_str(&modelled(part));
     text.push_str(&format!(
         "\n  {} parted where triangles turn by {} deg or more\n",
         counted(part.faces.len(), "face"),
@@ -113,6 +114,25 @@ fn defects(part: &Part) -> String {
         text.push_str("  no defects\n");
     }
     text
+}
+
+/// Which surfaces the faces of a STEP file have.
+fn modelled(part: &Part) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for face in &part.step_faces {
+        *counts.entry(face.kind).or_default() += 1;
+    }
+    if counts.is_empty() {
+        return String::new();
+    }
+    let kinds: Vec<String> = (counts.iter())
+        .map(|(kind, count)| format!("{kind} {count}"))
+        .collect();
+    format!(
+        "  {} in the file: {}; --json lists their areas\n",
+        counted(part.step_faces.len(), "face"),
+        kinds.join(", ")
+    )
 }
 
 fn faces(all: &[PartFace]) -> String {

@@ -57,7 +57,7 @@ struct ShapeTable {
     /// Length of that cylinder.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a cylinder has a length"))]
     length_mm: Option<f64>,
-    /// Mesh (.stl, .obj or .ply), relative to this file.
+    /// Mesh (.stl, .obj, .ply or .step), relative to this file.
     mesh: Option<String>,
     /// Length of the mesh's unit. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]

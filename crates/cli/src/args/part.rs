@@ -8,7 +8,7 @@ use super::number::{above_zero, number};
 
 #[derive(Debug, Args)]
 pub struct PartArguments {
-    /// Mesh of the part: .stl (binary or ASCII), .obj or .ply
+    /// Mesh of the part: .stl (binary or ASCII), .obj or .ply; or a body, .step
     pub file: PathBuf,
     /// Unit of the file's lengths
     #[arg(long, value_parser = ["mm", "inch", "m"], default_value = "mm")]

@@ -61,7 +61,7 @@ impl Form {
             }
             Self::Mesh(file) => file,
         };
-        let data = read_mesh(&file.file)?;
+        let data = read_mesh(&file.file, file.unit_m)?;
         let vertices_m: Vec<_> = data.vertices.iter().map(|v| v * file.unit_m).collect();
         let count = data.triangles.len();
         let has_area = |triangle: &[u32; 3]| {

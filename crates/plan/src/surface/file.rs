@@ -43,7 +43,7 @@ struct RawPatch {
     /// A direction out of the part, of any length, less than 90 degrees from every normal.
     #[schemars(with = "[f64; 3]")]
     outside: Spanned<[f64; 3]>,
-    /// Degrees along u and v, 1 to 7 (nurbs).
+    /// Degrees along u and v, 1 to 25 (nurbs).
     #[schemars(with = "Option<[usize; 2]>")]
     degree: Option<Spanned<[usize; 2]>>,
     /// Knots along u, as many as points and degree and one, none below the one before (nurbs).

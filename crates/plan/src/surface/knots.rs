@@ -5,8 +5,8 @@ use super::error::SurfaceFault;
 
 use crate::bounds::OutOfBounds;
 
-/// Highest degree that is read.
-pub(super) const MAX_DEGREE: usize = 7;
+/// Highest degree that is read: modellers write no higher one.
+pub(super) const MAX_DEGREE: usize = 25;
 
 /// Values of the functions that do not vanish in a span, degree + 1 of them.
 type Values = [f64; MAX_DEGREE + 1];
@@ -38,7 +38,7 @@ impl Knots {
             (1..=MAX_DEGREE).contains(&degree),
             what,
             degree,
-            "from 1 to 7",
+            "from 1 to 25",
         )?;
         if points <= degree {
             return Err(SurfaceFault::TooFewPoints {

@@ -29,6 +29,7 @@ pub mod part;
 mod primitives;
 #[cfg(test)]
 pub(crate) mod spoke;
+mod step;
 
 pub use boundary::Boundary;
 pub(crate) use depth::to_parry as to_parry_pose;
@@ -46,6 +47,7 @@ pub use mesh_files::MeshFile;
 pub(crate) use mesh_files::read_mesh;
 pub use nurbs::NurbsPatch;
 pub use primitives::PlanePatch;
+pub use step::StepFace;
 
 use nalgebra::Vector3;
 

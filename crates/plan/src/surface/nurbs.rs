@@ -264,7 +264,7 @@ mod tests {
         assert!(refuse(1, &[0.0, 0.0, 0.0, 1.0], &points(0.0), &ones).contains("stands 3 times"));
         assert!(refuse(1, &[0.0, 1.0], &points(0.0), &ones).contains("have 4"));
         assert!(refuse(3, &good, &points(0.0), &ones).contains("needs 4"));
-        assert!(refuse(9, &good, &points(0.0), &ones).contains("degree in u"));
+        assert!(refuse(26, &good, &points(0.0), &ones).contains("degree in u"));
         let weights = vec![vec![1.0, 1.0], vec![0.0, 1.0]];
         assert!(refuse(1, &good, &points(0.0), &weights).contains("weight 3 is 0"));
         let ragged = vec![vec![1.0, 1.0], vec![1.0]];

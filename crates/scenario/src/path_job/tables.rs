@@ -22,8 +22,8 @@ pub(crate) struct SurfaceTable {
     patch: Option<String>,
     /// A face of a part's mesh in its place: a patch is fitted to it.
     mesh: Option<MeshFaceTable>,
-    /// Closed mesh of the whole workpiece (.stl, .obj or .ply) in the patch's frame, relative to
-    /// this file; the wheel must not gouge it either.
+    /// Closed mesh of the whole workpiece (.stl, .obj, .ply or .step) in the patch's frame,
+    /// relative to this file; the wheel must not gouge it either.
     body: Option<String>,
     /// Length of the mesh's unit. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
@@ -38,7 +38,7 @@ pub(crate) struct SurfaceTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct MeshFaceTable {
-    /// Mesh of the whole part (.stl, .obj or .ply), relative to this file. Its frame is the
+    /// Mesh of the whole part (.stl, .obj, .ply or .step), relative to this file. Its frame is the
     /// patch's.
     file: String,
     /// Length of the mesh's unit. Default: 1.

@@ -7,8 +7,9 @@ use super::super::error::{SurfaceFault, place};
 use super::chart::Chart;
 
 /// What a point within a triangle counts beside a vertex: vertices lie on the face that was meshed,
-/// chords between them do not.
-const INNER_WEIGHT: f64 = 0.01;
+/// chords between them do not. A long triangle holds thousands of points, which must not outweigh
+/// the vertices about it.
+const INNER_WEIGHT: f64 = 1e-4;
 /// Triangles are looked at as finely as this share of the face's longer side.
 const FINE_SHARE: f64 = 1.0 / 64.0;
 

@@ -18,7 +18,8 @@ use serde::Serialize;
 use truecut_arm::MeshData;
 
 use super::error::SurfaceError;
-use super::mesh_files::{check_unit, read_mesh};
+use super::mesh_files::{check_unit, read_step, read_triangles};
+use super::step::StepFace;
 use crate::bounds::OutOfBounds;
 
 pub use edges::PartEdge;
@@ -129,6 +130,9 @@ pub struct Part {
     pub faces: Vec<PartFace>,
     /// The longest first.
     pub edges: Vec<PartEdge>,
+    /// Faces of a STEP file as its modeller has them, in the file's order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub step_faces: Vec<StepFace>,
     #[serde(skip)]
     vertices_m: Vec<Vector3<f64>>,
     #[serde(skip)]
@@ -148,10 +152,19 @@ impl Part {
         options: &PartOptions,
         progress: &dyn Fn(f64),
     ) -> Result<Self, SurfaceError> {
-        let data = read_mesh(path)?;
+        let (data, step_faces) = match read_step(path, options.unit_m)? {
+            Some(body) => (body.mesh, Some(body.faces)),
+            None => (read_triangles(path, options.unit_m)?, None),
+        };
         progress(0.2);
-        Self::of(data, options, progress)
-            .map_err(|fault| SurfaceError::in_file(path, None, fault.into()))
+        let mut part = Self::of(data, options, progress)
+            .map_err(|fault| SurfaceError::in_file(path, None, fault.into()))?;
+        if let Some(step_faces) = step_faces {
+            part.step_faces = step_faces;
+            // The file says its unit.
+            part.suspected_unit = None;
+        }
+        Ok(part)
     }
 
     /// Looks at triangles.
@@ -224,6 +237,7 @@ impl Part {
             defects,
             faces,
             edges,
+            step_faces: Vec::new(),
             vertices_m: welded.vertices_m,
             triangles: welded.triangles,
             face_of,

@@ -52,7 +52,7 @@ impl EdgePlace {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WorkpieceTable {
-    /// Closed mesh (.stl, .obj or .ply), relative to this file.
+    /// Closed mesh (.stl, .obj, .ply or .step), relative to this file.
     mesh: String,
     /// Length of the mesh's unit. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]

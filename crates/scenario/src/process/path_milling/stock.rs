@@ -37,8 +37,8 @@ pub(super) struct StockTable {
     corner_mm: Option<[f64; 3]>,
     /// Its lengths along x, y and z.
     size_mm: Option<[f64; 3]>,
-    /// In place of a box a closed mesh (.stl, .obj or .ply), relative to this file, as it stands in
-    /// the work frame; the part that an earlier run left is one.
+    /// In place of a box a closed mesh (.stl, .obj, .ply or .step), relative to this file, as it
+    /// stands in the work frame; the part that an earlier run left is one.
     mesh: Option<String>,
     /// Length of the mesh's unit. Default: 1.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "a unit has a length"))]
