@@ -10,10 +10,15 @@ use crate::trial::signals::Signals;
 /// alone: by itself a search took it for all that is of friction's shape.
 pub(in crate::trial) fn delays_drive_forces(scenario: &Scenario, kind: EffectKind) -> bool {
     let late = matches!(kind, EffectKind::ClockDelay | EffectKind::SensorDelay);
+    late && is_inverse(scenario)
+}
+
+/// Whether drive forces are predicted from measured motion.
+pub(in crate::trial) fn is_inverse(scenario: &Scenario) -> bool {
     let ProcessSpec::Replay(replay) = &scenario.process else {
         return false;
     };
-    late && matches!(replay.mode, ReplayMode::Inverse { .. })
+    matches!(replay.mode, ReplayMode::Inverse { .. })
 }
 
 pub(super) fn why_untold(kind: EffectKind) -> &'static str {
@@ -23,7 +28,7 @@ pub(super) fn why_untold(kind: EffectKind) -> &'static str {
         "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
         "wheel_eccentricity" => "the wheel does not turn",
         "clock_delay" => "with one channel it is a delay of its sensor",
-        "link_mass" => "only a motion that is replayed shows one link beside the others",
+        "link_mass" => "only measured motion of all joints shows one link beside the others",
         "clock_rate" => "with one channel it is hardly anything but a gain",
         "wheel_removal" => "what is removed is not measured",
         _ => "nothing in the nominal run gives it a size",
