@@ -124,6 +124,10 @@ fn an_arm_with_a_slide_has_scenarios_to_begin_with() {
         assert!(matches!(output.status.code(), Some(0 | 1)), "{file}: {out}");
         assert!(out.contains("completed"), "{file}: {out}");
     }
+    // Half a turn as it is written to nine digits: the arm reaches the exact attitude alone.
+    let pose = "0.5,0.1,0.2,3.14159265,0,0";
+    let rows = desk.ends(0, &["robot", &urdf, "--ik", pose, "--slide-mm", "120"]);
+    assert!(rows.lines().count() > 1, "{rows}");
     let call = ["new", "polish", "--robot", &urdf, "-o", "polish.toml"];
     let told = "polishing leans the wheel and leads the lean round, but the tool's z axis is (";
     desk.refused(&call, &[told, "-1.000) in every posture"]);

@@ -316,7 +316,14 @@ pub struct IkRow {
 ///
 /// [`IkSolver::branches`]: crate::IkSolver::branches
 pub fn ik_rows(robot: &Robot, poses: &[Isometry3<f64>], frame: FrameId) -> Vec<IkRow> {
-    let solver = robot.ik_solver(&BranchOptions::default());
+    let mut options = BranchOptions::default();
+    if robot.dof() < 6 {
+        // An arm of few joints reaches few attitudes: a pose that is written to seven digits lies
+        // beside them.
+        options.numeric.position_tolerance_m = 1e-8;
+        options.numeric.angle_tolerance_rad = 1e-6;
+    }
+    let solver = robot.ik_solver(&options);
     let mut rows = Vec::new();
     for (index, pose) in poses.iter().enumerate() {
         let branches = solver.branches(pose, frame).into_iter();

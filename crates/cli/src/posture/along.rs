@@ -109,14 +109,16 @@ impl Answer<'_> {
         let aligns = [Left, Right, Right, Right, Right, Right, Right, Right];
         text.push_str(&text::table(&aligns, &text::headed(&head, rows)));
         text.push_str(&format!(
-            "  {} of {} turns can be followed; margin: limit depth over depth, looked for up to 3; below 1 it chatters\n",
+            "  {} of {} turns can be followed; margin: limit depth over depth, looked for up to 3; below 1 vibration grows\n",
             found.turns.len(),
             found.turns.len() + found.refused.len()
         ));
         text.push_str(&text::notes(self.notes()));
-        text.push_str("\nTo take it:\n");
-        for (key, value) in &self.found.keys {
-            text.push_str(&format!("  --set '{key}={value}'\n"));
+        if !found.is_own {
+            text.push_str("\nTo take the best posture:\n");
+            for (key, value) in &found.keys {
+                text.push_str(&format!("  --set '{key}={value}'\n"));
+            }
         }
         if !self.runs.is_empty() {
             text.push_str(&format!("\n{}", self.told()));
@@ -282,6 +284,7 @@ impl Answer<'_> {
             "turns": found.turns.iter().map(posture).collect::<Vec<_>>(),
             "refused": found.refused.iter().map(|(spin_rad, why)| json!({"spin_rad": spin_rad, "why": why})).collect::<Vec<_>>(),
             "best": found.best,
+            "own_is_as_good": found.is_own,
             "keys": keys.collect::<serde_json::Map<_, _>>(),
             "best_places": places(&found.best_places),
             "own_places": places(&found.own_places),

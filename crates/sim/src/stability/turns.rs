@@ -4,7 +4,7 @@
 //! What the cutter meets does not depend on how the arm stands, so that engagements are found once;
 //! each turn and each posture in which the arm can begin leads the arm along the path, and gives
 //! the modes there. Turns are compared at the strongest engagement of each of a few stretches of
-//! the path; the best one and the scenario's own are then looked at everywhere.
+//! the path; the best few and the scenario's own are then looked at everywhere.
 
 mod compared;
 mod search;
@@ -16,19 +16,22 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use truecut_arm::{JointKind, Robot};
+use truecut_recording::significant;
 use truecut_scenario::{PathMillingSpec, ProcessSpec, Scenario};
 
 use super::along::{PathPlace, PathRun, Study, path_run};
 use crate::error::SimError;
 use crate::robots::Robots;
 use crate::run::RunError;
-use compared::Met;
+use compared::{Choice, Met};
 use search::Search;
 
 /// Turns that are looked at over a whole one.
 const TURNS: usize = 36;
 /// Stretches of the path at which turns are compared.
 const STRETCHES: usize = 24;
+/// How many of the best are then looked at everywhere.
+const LOOKED_AT: usize = 6;
 
 /// Margins within this factor of each other are equal: modes of an arm are not known better.
 const EQUAL: f64 = 0.98;
@@ -115,7 +118,9 @@ pub struct PathPostures {
     /// Of [`PathPostures::turns`] with the largest least margin, or one of two, which is as good,
     /// that in which the tool is deflected least.
     pub best: usize,
-    /// Keys of the scenario, with their values, by which it takes that one.
+    /// Whether the scenario's own is as good.
+    pub is_own: bool,
+    /// Keys of the scenario, with their values, by which it takes the best.
     pub keys: Vec<(String, String)>,
     /// The whole path so, and as the scenario has it.
     pub best_places: Vec<PathPlace>,
@@ -170,36 +175,47 @@ pub fn path_postures(
             Err(error) => refused.push((spin_rad, error)),
         }
     }
-    let better = |best: usize, k: usize| match turns[k].is_better_than(&turns[best]) {
-        true => k,
-        false => best,
-    };
-    let best = (0..turns.len()).reduce(better);
-    let best = best.ok_or_else(|| {
+    if turns.is_empty() {
         let first = refused.first().map(|(_, error)| error);
-        first.map_or_else(nothing_there, none_reached)
-    })?;
-    let keys = turns[best].keys(&robot);
-    let best_led = search.followed(&keys)?;
+        return Err(first.map_or_else(nothing_there, none_reached));
+    }
+    let of_own = own.as_ref().ok();
+    let Choice { best, led, is_own } = all.choice(&search, &turns, of_own)?;
+    progress(0.95);
     let mut notes = study.notes(&met.places)?;
     if let Err(fault) = &own {
         notes.push(format!("as the scenario has it the arm cannot go: {fault}"));
     }
-    let own = own.ok();
+    if is_own {
+        notes.push("no turn is better than the scenario's own".to_owned());
+    }
+    let best_places = all.known(&led)?;
+    let least = best_places
+        .iter()
+        .map(PathPlace::margin)
+        .fold(f64::INFINITY, f64::min);
+    if least < 1.0 {
+        notes.push(format!(
+            "in no posture that was looked at the cut is stable all along (least margin {}): take a smaller depth or \
+             another speed, which `truecut lobes` proposes",
+            significant(least, 3)
+        ));
+    }
     Ok(PathPostures {
-        own: match &own {
+        own: match of_own {
             Some(led) => compared.best(None, std::slice::from_ref(led))?,
             None => None,
         },
-        own_places: own.map_or(Ok(Vec::new()), |led| all.known(&led))?,
-        best_places: all.known(&best_led)?,
-        compared: compared.known(&best_led)?,
+        own_places: of_own.map_or(Ok(Vec::new()), |led| all.known(led))?,
+        best_places,
+        compared: compared.known(&led)?,
         refused: (refused.into_iter())
             .map(|(spin_rad, error)| (spin_rad, error.to_string()))
             .collect(),
+        keys: turns[best].keys(&robot),
         turns,
         best,
-        keys,
+        is_own,
         notes,
     })
 }

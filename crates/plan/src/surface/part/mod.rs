@@ -203,10 +203,11 @@ impl Part {
         let weld_m = options.weld_m.unwrap_or(WELD_SHARE * diagonal_m);
         let is_close = (0.0..0.1 * diagonal_m).contains(&weld_m);
         let rule = format!(
-            "from 0 to below a tenth of the diagonal, {}",
-            0.1 * diagonal_m
+            "from 0 to below a tenth of the part's diagonal, {}",
+            100.0 * diagonal_m
         );
-        OutOfBounds::unless(is_close, "the welding distance (m)", weld_m, &rule)?;
+        let weld_mm = 1e3 * weld_m;
+        OutOfBounds::unless(is_close, "the welding distance (mm)", weld_mm, &rule)?;
 
         let mut defects = Defects::default();
         let welded = weld::weld(data, unit_m, weld_m, &mut defects);

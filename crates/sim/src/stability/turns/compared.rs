@@ -8,9 +8,19 @@ use truecut_plan::modes_in_cut;
 
 use super::super::along::{PathPlace, Study, known};
 use super::super::in_scenario;
-use super::PathPosture;
+use super::search::Search;
+use super::{LOOKED_AT, PLENTY, PathPosture, nothing_there};
 use crate::error::SimError;
 use crate::process::path_milling::along::{CutPlace, Followed};
+
+/// The turn that is taken, and its way.
+pub(super) struct Choice {
+    /// Its index.
+    pub best: usize,
+    pub led: Followed,
+    /// Whether the scenario's own is as good.
+    pub is_own: bool,
+}
 
 /// Places of a path at which a cut is looked at.
 pub(super) struct Met<'a> {
@@ -98,6 +108,38 @@ impl<'a> Met<'a> {
             largest_m = largest_m.max(moved.norm());
         }
         largest_m
+    }
+
+    /// Of the turns that are best at a few places the one that is best at all of them, and whether
+    /// the scenario's own is as good.
+    pub fn choice(
+        &self,
+        search: &Search<'_>,
+        turns: &[PathPosture],
+        own: Option<&Followed>,
+    ) -> Result<Choice, SimError> {
+        let mut order: Vec<usize> = (0..turns.len()).collect();
+        let worth = |k: &usize| turns[*k].least().1.min(PLENTY);
+        order.sort_by(|a, b| {
+            let bends = |k: usize| turns[k].bend_m.iter().sum::<f64>();
+            (worth(b).total_cmp(&worth(a))).then(bends(*a).total_cmp(&bends(*b)))
+        });
+        let mut best: Option<(usize, Followed, PathPosture)> = None;
+        for &k in order.iter().take(LOOKED_AT) {
+            let led = search.followed(&turns[k].keys(self.study.robot))?;
+            let found = self.best(turns[k].spin_rad, std::slice::from_ref(&led))?;
+            let Some(found) = found else { continue };
+            if (best.as_ref()).is_none_or(|(_, _, best)| found.is_better_than(best)) {
+                best = Some((k, led, found));
+            }
+        }
+        let (best, led, found) = best.ok_or_else(nothing_there)?;
+        let own = match own {
+            Some(own) => self.best(None, std::slice::from_ref(own))?,
+            None => None,
+        };
+        let is_own = own.is_some_and(|own| !found.is_better_than(&own));
+        Ok(Choice { best, led, is_own })
     }
 
     /// The best of several ways.

@@ -7,6 +7,7 @@ use truecut_scenario::{PathMillingSpec, Scenario};
 use super::{PathPosture, each, path_of, spin_key};
 use crate::build::in_context;
 use crate::error::SimError;
+use crate::posture::posture;
 use crate::process::SetupContext;
 use crate::process::path_milling::along::{CutPlaces, Followed, followed, places};
 use crate::robots::Robots;
@@ -103,10 +104,10 @@ impl Search<'_> {
         pose: &Isometry3<f64>,
         is_known: &dyn Fn(&[f64]) -> bool,
     ) -> Vec<Followed> {
-        let postures = (robot.ik_solver(&BranchOptions::default())).branches(pose, FrameId::Tool);
+        let postures = self.postures(robot, pose).unwrap_or_default();
         let fits = |q: &Vec<f64>| robot.check_posture(q).is_ok() && !is_known(q);
         let led = |start| {
-            let posture = PathPosture {
+            let way = PathPosture {
                 spin_rad: Some(spin_rad),
                 start,
                 duration_s: 0.0,
@@ -114,9 +115,33 @@ impl Search<'_> {
                 bend_m: [0.0; 2],
             };
             // One that leads out of reach is none.
-            self.followed(&posture.keys(robot)).ok()
+            self.followed(&way.keys(robot)).ok()
         };
         let postures = postures.into_iter().filter(fits).take(MOST_STARTS);
         postures.filter_map(led).collect()
+    }
+
+    /// The postures of a pose, slides where the scenario has them.
+    fn postures(&self, robot: &Robot, pose: &Isometry3<f64>) -> Result<Vec<Vec<f64>>, SimError> {
+        let slides: Vec<usize> = robot.slides().collect();
+        let of = |robot: &Robot| {
+            (robot.ik_solver(&BranchOptions::default())).branches(pose, FrameId::Tool)
+        };
+        if slides.is_empty() {
+            return Ok(of(robot));
+        }
+        let own = posture(&self.scenario.robot, robot)?;
+        let places: Vec<f64> = slides.iter().map(|&at| own[at]).collect();
+        let whole = |turned: Vec<f64>| {
+            let mut turned = turned.into_iter();
+            let each = own.iter().enumerate();
+            each.map(|(at, value)| match slides.contains(&at) {
+                true => *value,
+                false => turned.next().unwrap_or(*value),
+            })
+            .collect()
+        };
+        let held = robot.with_slides_at(&places)?;
+        Ok(of(&held).into_iter().map(whole).collect())
     }
 }
