@@ -124,8 +124,8 @@ const BOUNDS: [Bound; 19] = [
     (
         "finishing/cover_polish.toml",
         Some("3.0"),
-        [1e-4, 3e-3],
-        [1e-4, 3e-3],
+        [2e-4, 3e-3],
+        [2e-4, 3e-3],
     ),
     (
         "milling/pocket.toml",
