@@ -63,6 +63,7 @@ def test_crosscheck_stl_and_step_of_a_part_are_the_same_body(name, tmp_path):
     for key in ("volume_m3", "area_m2"):
         assert abs(meshed[key] / modelled[key] - 1) < 4e-3, key
     assert len(meshed["faces"]) == len(modelled["faces"])
+    assert len(meshed["edges"]) == len(modelled["edges"])
     closed = [sum(edge["closed"] for edge in part["edges"]) for part in (meshed, modelled)]
     assert closed[0] == closed[1] > 0
 

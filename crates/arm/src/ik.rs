@@ -23,6 +23,11 @@ impl Default for IkOptions {
     }
 }
 
+/// A step that takes less than this share off the squared error is the last.
+const LEAST_GAIN: f64 = 1e-9;
+/// Nor is a way down looked for by shorter steps than this damping gives.
+const MOST_DAMPING: f64 = 1e10;
+
 impl Robot {
     /// A posture near `seed` that puts `frame` at `world_from_target`, by damped least squares
     /// (Levenberg–Marquardt: the damping falls with success and rises with failure).
@@ -41,10 +46,14 @@ impl Robot {
         let mut q = seed.to_vec();
         let mut error = self.pose_error(&q, frame, world_from_target);
         let mut damping = 1e-3;
-        for _ in 0..options.max_iterations {
+        let mut iterations = 0;
+        // A pose out of reach has a nearest one, from which no step leads on.
+        let mut is_nearest = false;
+        while iterations < options.max_iterations && !is_nearest {
             if within(&error, options) {
                 break;
             }
+            iterations += 1;
             let jacobian = self.jacobian(&q, frame);
             let jacobian = DMatrix::from_fn(6, self.dof(), |r, c| jacobian[(r, c)]);
             let normal = jacobian.tr_mul(&jacobian);
@@ -56,18 +65,21 @@ impl Robot {
             };
             let trial: Vec<f64> = q.iter().zip(step.iter()).map(|(q, s)| q + s).collect();
             let trial_error = self.pose_error(&trial, frame, world_from_target);
-            if trial_error.norm_squared() < error.norm_squared() {
+            let (before, after) = (error.norm_squared(), trial_error.norm_squared());
+            if after < before {
+                is_nearest = after > (1.0 - LEAST_GAIN) * before;
                 q = trial;
                 error = trial_error;
                 damping = (damping * 0.1).max(1e-15);
             } else {
+                is_nearest = damping > MOST_DAMPING;
                 damping *= 10.0;
             }
         }
         if !within(&error, options) {
             let (position_m, angle_rad) = lengths(&error);
             return Err(ArmErrorKind::Unreachable {
-                iterations: options.max_iterations,
+                iterations,
                 position_m,
                 angle_rad,
                 position_limit_m: options.position_tolerance_m,

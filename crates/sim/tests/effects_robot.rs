@@ -7,6 +7,9 @@ use support::{column, load, peaks, period, run};
 use truecut_recording::Recording;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
+/// Of the carriage along z, kg.
+const CARRIAGE_KG: f64 = 557.2998;
+
 /// A payload that the controller does not know lets a vertical slide sag by `m g / k`.
 #[test]
 fn verify_payload_sag() {
@@ -25,6 +28,39 @@ fn verify_payload_sag() {
     let z = |r: &Recording| column(r, "tool.position_z")[0];
     let sag = z(&nominal) - z(&with);
     assert!((sag / (25.0 * 9.81 / 1.394e6) - 1.0).abs() < 1e-9, "{sag}");
+}
+
+/// A link that is heavier than the controller knows moves as a heavier link does, to the bit where
+/// nothing sags. Under gravity it sags by what it is too heavy over the stiffness, since the command
+/// holds the arm that is known.
+#[test]
+fn verify_link_mass_is_that_of_a_heavier_link() {
+    let (factor, last) = (1.15, 2);
+    let heavier = Effect {
+        values: vec![factor],
+        ..Effect::neutral(EffectKind::LinkMass, Target::Joint(last))
+    };
+    let pushed = |keys: &str| {
+        let push = "release_n = [100.0, 30.0, 20.0]";
+        load("rig_planar", keys, "duration_s = 0.05", push)
+    };
+    let floating = run(&pushed("gravity = false"), std::slice::from_ref(&heavier));
+    let link = "gravity = false\n[[robot.link]]\nname = \"carriage_z\"\nmass_factor = 1.15";
+    let known = run(&pushed(link), &[]);
+    for name in ["tool.position_x", "tool.position_y", "tool.position_z"] {
+        assert_eq!(column(&floating, name), column(&known, name), "{name}");
+    }
+    let still = load(
+        "rig_planar",
+        "",
+        "duration_s = 0.01",
+        "constant_n = [0.0, 0.0, 0.0]",
+    );
+    let (nominal, with) = (run(&still, &[]), run(&still, &[heavier]));
+    let z = |r: &Recording| column(r, "tool.position_z")[0];
+    let sag = z(&nominal) - z(&with);
+    let expected = (factor - 1.0) * CARRIAGE_KG * 9.81 / 1.394e6;
+    assert!((sag / expected - 1.0).abs() < 1e-9, "{sag} {expected}");
 }
 
 fn tilt(compliance: f64) -> Effect {

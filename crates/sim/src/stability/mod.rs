@@ -10,6 +10,8 @@ mod diagram;
 mod draws;
 pub(crate) mod known;
 mod runs;
+#[cfg(test)]
+mod tests;
 mod turns;
 mod view;
 

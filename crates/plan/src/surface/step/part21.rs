@@ -314,18 +314,21 @@ impl<'a> Cursor<'a> {
     }
 
     fn quoted(&mut self, mark: u8) -> String {
-        self.at += 1;
-        let from = self.at;
-        while self.peek().is_some_and(|byte| byte != mark) {
+        let mut text = Vec::new();
+        loop {
             self.at += 1;
+            let from = self.at;
+            while self.peek().is_some_and(|byte| byte != mark) {
+                self.at += 1;
+            }
+            text.extend_from_slice(&self.bytes[from..self.at]);
+            self.at = (self.at + 1).min(self.bytes.len());
+            if self.peek() != Some(mark) {
+                return String::from_utf8_lossy(&text).into_owned();
+            }
+            // A doubled mark stands for one; what follows belongs to the text.
+            text.push(mark);
         }
-        let text = String::from_utf8_lossy(&self.bytes[from..self.at]).into_owned();
-        self.at = (self.at + 1).min(self.bytes.len());
-        // A doubled mark stands for one; what follows belongs to the text.
-        if self.peek() == Some(mark) {
-            return format!("{text}{}{}", char::from(mark), self.quoted(mark));
-        }
-        text
     }
 
     fn number(&mut self) -> Result<Value, Fault> {

@@ -3,10 +3,10 @@
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::super::{Domain, NurbsPatch, Surface as _};
-use super::entities::{Model, get, list, number, numbers, reference};
+use super::entities::{Model, get, list, numbers, reference};
 use super::part21::{Entity, Fault, Value};
 use super::shape::{Shape, inside};
-use super::spline::{repeated, spline_parts};
+use super::spline::{degree, repeated, spline_parts};
 
 /// Steps of Newton's method.
 const STEPS: usize = 40;
@@ -17,9 +17,7 @@ pub(super) fn read(model: &Model<'_>, entity: &Entity) -> Result<Shape, Fault> {
     let Some((basic, knots, rational)) = parts else {
         return Err(entity.fault("a B-spline surface without its points"));
     };
-    let degree = [0, 1].map(|k| get(entity, basic, k).and_then(|value| number(entity, value)));
-    let [degree_u, degree_v] = degree;
-    let degree = [degree_u? as usize, degree_v? as usize];
+    let degree = [degree(entity, basic, 0)?, degree(entity, basic, 1)?];
     let row = |value: &Value| -> Result<Vec<Vector3<f64>>, Fault> {
         let points = list(entity, value)?.iter();
         points
@@ -92,9 +90,9 @@ pub(super) fn place(
             ranges[k][0] + (ranges[k][1] - ranges[k][0]) * i as f64 / GRID as f64
         };
         let grid = (0..=GRID).flat_map(|i| (0..=GRID).map(move |j| [at(0, i), at(1, j)]));
-        let mut starts: Vec<[f64; 2]> = grid.collect();
-        starts.sort_by(|a, b| off(a).total_cmp(&off(b)));
-        for start in starts.iter().take(6) {
+        let mut starts: Vec<(f64, [f64; 2])> = grid.map(|uv| (off(&uv), uv)).collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, start) in starts.iter().take(6) {
             let found = newton(patch, p, *start, ranges);
             if best.as_ref().is_none_or(|best| off(&found) < off(best)) {
                 best = Some(found);

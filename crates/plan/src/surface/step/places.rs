@@ -1,6 +1,6 @@
 //! Where bodies stand: modellers write a part as an assembly of one, placed in it.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::Vector3;
 
@@ -100,14 +100,12 @@ impl Places {
         };
         for _ in 0..DEEPEST {
             // All that are the same as this one.
-            let mut alike = vec![at];
+            let (mut alike, mut seen) = (vec![at], HashSet::from([at]));
             let mut k = 0;
             while k < alike.len() {
-                for other in self.same.get(&alike[k]).into_iter().flatten() {
-                    if !alike.contains(other) {
-                        alike.push(*other);
-                    }
-                }
+                let others = self.same.get(&alike[k]).into_iter().flatten().copied();
+                let new: Vec<u64> = others.filter(|other| seen.insert(*other)).collect();
+                alike.extend(new);
                 k += 1;
             }
             let mut places = alike

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::super::knots::Knots;
+use super::super::knots::{Knots, MAX_DEGREE};
 use super::entities::{Model, get, list, number, numbers, reference};
 use super::part21::{Entity, Fault, Value};
 
@@ -42,6 +42,17 @@ pub(super) fn repeated(
     Ok(all)
 }
 
+/// A degree as the entity has it, one that can be.
+pub(super) fn degree(entity: &Entity, values: &[Value], k: usize) -> Result<usize, Fault> {
+    let degree = number(entity, get(entity, values, k)?)?;
+    let is_whole = degree.fract() == 0.0 && (1.0..=MAX_DEGREE as f64).contains(&degree);
+    let rule =
+        format_args!("its degree is {degree}, but must be a whole number from 1 to {MAX_DEGREE}");
+    is_whole
+        .then_some(degree as usize)
+        .ok_or_else(|| entity.fault(rule))
+}
+
 /// Parameters of a B-spline, whether it stands by itself or is complex: those of degree and points,
 /// of knots, and weights.
 pub(super) type SplineParts<'e> = (&'e [Value], &'e [Value], Option<&'e [Value]>);
@@ -69,7 +80,7 @@ impl Spline {
         knots: &[Value],
         rational: Option<&[Value]>,
     ) -> Result<Self, Fault> {
-        let degree = number(entity, get(entity, basic, 0)?)? as usize;
+        let degree = degree(entity, basic, 0)?;
         let points = list(entity, get(entity, basic, 1)?)?.iter();
         let points = points.map(|value| model.point(reference(entity, value)?));
         let points: Vec<Vector3<f64>> = points.collect::<Result<_, _>>()?;

@@ -144,3 +144,19 @@ fn damaged_files_are_refused_or_read() {
         let _ = read(&bytes);
     }
 }
+
+/// Marks in a text are doubled, be they a million: none is read within another.
+#[test]
+fn a_text_of_marks_is_read() {
+    let marks = "''".repeat(1_000_000);
+    let text = format!(
+        "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1 = A('it{marks}s', 2.);\nENDSEC;\nEND-ISO-10303-21;\n"
+    );
+    let file = Part21::new(text.as_bytes()).expect("a file");
+    let entity = file.entity(1).expect("an entity");
+    let Some([Value::Text(text), Value::Number(number)]) = entity.part("A") else {
+        panic!("{:?}", entity.kind());
+    };
+    assert_eq!((text.len(), *number), (1_000_003, 2.0));
+    assert!(text.starts_with("it'") && text.ends_with("'s"));
+}

@@ -4,8 +4,10 @@
 use std::collections::{HashMap, HashSet, VecDeque};
 
 use nalgebra::Vector3;
-use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
+use spade::{
+    ConstrainedDelaunayTriangulation, HasPosition, Point2, PositionInTriangulation, Triangulation,
+};
 
 use super::curve::Fineness;
 use super::outline::Line;
@@ -13,6 +15,8 @@ use super::shape::Shape;
 
 /// Times that triangles are refined.
 const ROUNDS: usize = 40;
+/// Share of the longest side about it within which a new vertex is beside one that is there.
+const BESIDE: f64 = 0.05;
 /// Most vertices of a face.
 const MOST: usize = 400_000;
 
@@ -66,13 +70,20 @@ pub(super) fn triangles(
             if wanted.is_empty() || net.num_vertices() + wanted.len() > MOST {
                 break;
             }
+            let before = net.num_vertices();
             for at in wanted {
-                let vertex = vertices.len() as u32;
-                let before = net.num_vertices();
-                net.insert(Place { at, vertex }).ok()?;
-                if net.num_vertices() > before {
-                    vertices.push(shape.at(narrowed(at)));
+                let p = shape.at(narrowed(at));
+                if is_beside(&net, at, &p, vertices) {
+                    continue;
                 }
+                let (vertex, had) = (vertices.len() as u32, net.num_vertices());
+                net.insert(Place { at, vertex }).ok()?;
+                if net.num_vertices() > had {
+                    vertices.push(p);
+                }
+            }
+            if net.num_vertices() == before {
+                break;
             }
         }
     }
@@ -86,6 +97,30 @@ pub(super) fn triangles(
         .collect();
     without_flat(&mut found, vertices, 0.05 * fine.chord);
     Some(found)
+}
+
+/// Whether a place has a vertex beside it, for the size of the triangles there: both long sides of
+/// a needle ask for their middles, of which one will do.
+fn is_beside(net: &Net, at: Point2<f64>, p: &Vector3<f64>, vertices: &[Vector3<f64>]) -> bool {
+    let mut corners: Vec<u32> = Vec::new();
+    let mut add = |face: FixedFaceHandle<InnerTag>| {
+        corners.extend(net.face(face).vertices().map(|v| v.data().vertex));
+    };
+    match net.locate(at) {
+        PositionInTriangulation::OnVertex(_) => return true,
+        PositionInTriangulation::OnFace(face) => add(face),
+        PositionInTriangulation::OnEdge(edge) => {
+            let edge = net.directed_edge(edge);
+            for face in [edge.face(), edge.rev().face()] {
+                face.as_inner().into_iter().for_each(|face| add(face.fix()));
+            }
+        }
+        _ => return false,
+    }
+    let places = || corners.iter().map(|i| &vertices[*i as usize]);
+    let longest = places().flat_map(|a| places().map(move |b| (a - b).norm()));
+    let least = BESIDE * longest.fold(0.0, f64::max);
+    places().any(|corner| (corner - p).norm() < least)
 }
 
 /// What a unit of each parameter is long, on average over the face.

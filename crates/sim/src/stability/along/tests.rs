@@ -1,14 +1,6 @@
 use super::*;
-use std::path::Path;
+use crate::stability::tests::pocket;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};
-
-fn pocket(keys: &[(&str, &str)]) -> Scenario {
-    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/pocket.toml");
-    let keys = keys
-        .iter()
-        .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
-    Scenario::load(&at, &keys.collect::<Vec<_>>()).unwrap()
-}
 
 /// Along the pocket's first slot the rim is in stock over half a turn, and the limit is that of
 /// a slot with the modes there, by another search.

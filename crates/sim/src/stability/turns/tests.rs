@@ -1,15 +1,6 @@
-use std::path::Path;
-
 use super::*;
 use crate::stability::path_stability;
-
-fn pocket(keys: &[(&str, &str)]) -> Scenario {
-    let at = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/milling/pocket.toml");
-    let keys = keys
-        .iter()
-        .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
-    Scenario::load(&at, &keys.collect::<Vec<_>>()).unwrap()
-}
+use crate::stability::tests::pocket;
 
 /// What is told of a posture is what the scenario has that takes it by the keys that are told.
 #[test]
