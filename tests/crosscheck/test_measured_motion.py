@@ -1,5 +1,6 @@
-"""What measured motion does to a diagnosis: few samples in a period, coarse encoders, links heavier than in the file, a
-clock that runs fast, limits that a file gives too narrow, a wrist that bends by a few thousandths of what it moves by. Drawn arms, their forces and motion by MuJoCo."""
+"""What measured motion does to a diagnosis: few samples in a period, coarse encoders, links and rotors that are not
+those of the file, a clock that runs fast, limits that a file gives too narrow, a wrist that bends by a few thousandths
+of what it moves by. Drawn arms, their forces and motion by MuJoCo."""
 
 from __future__ import annotations
 
@@ -123,6 +124,51 @@ def test_crosscheck_mujoco_a_link_of_another_mass_is_named(truecut, tmp_path, se
     kind, target, value = only_cause(found)
     assert (kind, target) == ("link_mass", f"joint{joint}")
     assert abs(value["value"] - factor) < 0.75 * (value["high"] - value["low"]) + 1e-3
+
+
+def drawn_off(arm: Quiet, seed: int) -> tuple[int, np.ndarray]:
+    """A link, not the first, and by how much the file has its centre of mass elsewhere, m: 10 to 40 mm."""
+    draw = np.random.default_rng([seed, 7])
+    direction = draw.normal(size=3)
+    return int(draw.integers(2, arm.joints + 1)), draw.uniform(0.01, 0.04) * direction / np.linalg.norm(direction)
+
+
+@pytest.mark.parametrize("seed", range(47_300, 47_304))
+def test_crosscheck_mujoco_a_link_with_its_centre_elsewhere_is_named(truecut, tmp_path, seed):
+    """The file has the centre of mass of a link 10 to 40 mm from where the machine has it."""
+    arm = Quiet(seed)
+    joint, off = drawn_off(arm, seed)
+    forces, text = arm.drive_forces(), arm.urdf
+
+    def moved(link: re.Match) -> str:
+        centre = np.array(link[2].split(), float) - off
+        return f'{link[1]}{" ".join(map(str, centre))}"'
+
+    arm.urdf = re.sub(rf'(<link name="link_{joint}"><inertial><origin xyz=")([^"]+)"', moved, text)
+    assert arm.urdf != text
+    arm.drive_forces = lambda: forces
+    found = diagnosed(truecut, tmp_path, arm, resample_hz=100, cutoffs_hz=(20, 6))
+    causes = {(one["kind"], one["target"]): one["parameters"] for one in found["causes"]}
+    print(found["verdict"], found["reason"], causes, joint, off)
+    assert found["verdict"] == "named" and list(causes) == [("link_center", f"joint{joint}")]
+    # Its place across the axis changes the moments of its own drive.
+    for name, true in zip(("x_m", "y_m"), off, strict=False):
+        value = causes["link_center", f"joint{joint}"][name]
+        assert abs(value["value"] - true) < 0.75 * (value["high"] - value["low"]) + 1e-4
+
+
+@pytest.mark.parametrize("seed", range(47_400, 47_404))
+def test_crosscheck_mujoco_a_rotor_that_the_file_lacks_is_named(truecut, tmp_path, seed):
+    """A motor has a rotor of which the file says nothing."""
+    arm = Quiet(seed)
+    draw = np.random.default_rng([seed, 8])
+    joint = int(draw.integers(1, arm.joints + 1))
+    inertia = draw.uniform(3, 8) * arm.sizes[joint - 1] / arm.a[:, joint - 1].std()
+    arm.truth[f"rotor {joint}"] = inertia
+    found = diagnosed(truecut, tmp_path, arm, resample_hz=100, cutoffs_hz=(20, 6))
+    kind, target, value = only_cause(found)
+    assert (kind, target) == ("joint_rotor", f"joint{joint}")
+    assert abs(value["value"] - inertia) < 0.75 * (value["high"] - value["low"])
 
 
 @pytest.mark.parametrize("seed", range(47_200, 47_204))

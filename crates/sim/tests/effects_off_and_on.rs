@@ -79,6 +79,12 @@ fn stage(kind: EffectKind) -> Scenario {
         // Two edges push the tool to no side, and the foot would not slide.
         Family::Foot => chamfer(1, 0.3),
         Family::Wheel => polish(),
+        Family::Joint if kind == EffectKind::JointRotor => load(
+            "irb6600_175_255",
+            &format!("{ARM_POSTURE}\ndrive = \"servo\""),
+            "duration_s = 0.1",
+            "release_n = [600.0, 600.0, -500.0]",
+        ),
         Family::Joint
         | Family::Curve
         | Family::Robot
@@ -116,6 +122,8 @@ fn size(kind: EffectKind) -> Vec<f64> {
         K::JointOffset => vec![60.0],
         K::JointZero => vec![0.01],
         K::LinkMass => vec![1.2],
+        K::LinkCenter => vec![0.03, -0.02, 0.05],
+        K::JointRotor => vec![0.4],
         K::ClockRate => vec![1.01],
         K::JointPositionCurve => vec![-3.0, 3.0, 60.0, -40.0, 80.0],
         K::JointFrictionByPosition => vec![-3.0, 3.0, 30.0, 50.0, 20.0],

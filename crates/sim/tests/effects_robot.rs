@@ -3,7 +3,9 @@
 mod support;
 
 use std::f64::consts::TAU;
-use support::{column, load, peaks, period, run};
+use std::path::Path;
+use support::{ARM_POSTURE, column, load, peaks, period, run};
+use truecut_arm::Robot;
 use truecut_recording::Recording;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
@@ -61,6 +63,51 @@ fn verify_link_mass_is_that_of_a_heavier_link() {
     let sag = z(&nominal) - z(&with);
     let expected = (factor - 1.0) * CARRIAGE_KG * 9.81 / 1.394e6;
     assert!((sag / expected - 1.0).abs() < 1e-9, "{sag} {expected}");
+}
+
+/// A link with its centre elsewhere, and a rotor beyond the file's, are those that a scenario's
+/// tables give, to the bit where nothing sags.
+#[test]
+fn verify_link_center_and_joint_rotor_are_those_of_an_arm_that_has_them() {
+    let pushed = |keys: &str| {
+        let settings = format!("{ARM_POSTURE}\ngravity = false\ndrive = \"servo\"\n{keys}");
+        let push = "release_n = [100.0, 300.0, -200.0]";
+        load("irb6600_175_255", &settings, "duration_s = 0.05", push)
+    };
+    let urdf =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/irb6600_175_255/robot.urdf");
+    let nominal = Robot::load(&urdf, None, None).expect("asset");
+    let (link, joint) = (&nominal.chain.links[2].name, &nominal.chain.joints[2]);
+    let cases = [
+        (
+            EffectKind::LinkCenter,
+            vec![0.03125, -0.0625, 0.125],
+            format!(
+                "[[robot.link]]\nname = \"{link}\"\ncenter_x_mm = 31.25\ncenter_y_mm = -62.5\n\
+                 center_z_mm = 125.0"
+            ),
+        ),
+        (
+            EffectKind::JointRotor,
+            vec![0.5 * joint.transmission.rotor_inertia],
+            format!(
+                "[[robot.joint]]\nname = \"{}\"\nrotor_inertia_factor = 1.5",
+                joint.name
+            ),
+        ),
+    ];
+    let plain = run(&pushed(""), &[]);
+    for (kind, values, keys) in cases {
+        let effect = Effect {
+            values,
+            ..Effect::neutral(kind, Target::Joint(2))
+        };
+        let (with, known) = (run(&pushed(""), &[effect]), run(&pushed(&keys), &[]));
+        for name in ["tool.position_x", "tool.position_y", "tool.position_z"] {
+            assert_eq!(column(&with, name), column(&known, name), "{kind:?} {name}");
+            assert_ne!(column(&with, name), column(&plain, name), "{kind:?} {name}");
+        }
+    }
 }
 
 fn tilt(compliance: f64) -> Effect {

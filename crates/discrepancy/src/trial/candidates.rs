@@ -100,7 +100,12 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
         Typed::Curve(..) => return None,
         // Commanded motion bends springs by little of what a link weighs more: by runs one was
         // named on one of twelve clean drawn arms (seed 9800012).
-        Typed::Joint(_, JointEffect::LinkMass { .. }) if !is_inverse(scenario) => return None,
+        Typed::Joint(
+            _,
+            JointEffect::LinkMass { .. }
+            | JointEffect::LinkCenter { .. }
+            | JointEffect::Rotor { .. },
+        ) if !is_inverse(scenario) => return None,
         Typed::Joint(joint, effect) => joint_scale(&signals.joints[joint], effect)?.values(),
         Typed::Robot(effect) => robot_scale(signals, effect).values(),
         Typed::Base(_, effect) => base_scale(signals, effect).values(),

@@ -60,6 +60,10 @@ pub(crate) struct JointEffects {
     pub zero: f64,
     /// Of the link that it moves.
     pub mass_factor: f64,
+    /// Of the same link: true centre of mass less the file's, in the link's frame, m.
+    pub center_m: Vector3<f64>,
+    /// True inertia (mass) of the rotor less the file's, kg m² (kg).
+    pub rotor: f64,
 }
 
 impl Default for JointEffects {
@@ -71,6 +75,8 @@ impl Default for JointEffects {
             law: JointLaw::default(),
             zero: 0.0,
             mass_factor: 1.0,
+            center_m: Vector3::zeros(),
+            rotor: 0.0,
         }
     }
 }
@@ -174,6 +180,15 @@ impl JointEffects {
         friction - self.law.link_torque(position)
     }
 
+    /// Whether the arm's links, rotors or zeros are not those of its files.
+    pub(crate) fn is_another_arm(&self) -> bool {
+        let of_file = Self::default();
+        self.zero != of_file.zero
+            || self.mass_factor != of_file.mass_factor
+            || self.center_m != of_file.center_m
+            || self.rotor != of_file.rotor
+    }
+
     /// Whether the robot's own numbers hold them, without a law beyond spring and damper.
     pub(crate) fn is_built_in(&self) -> bool {
         self.law == JointLaw::default() && self.friction.is_none()
@@ -240,6 +255,8 @@ impl JointEffects {
             JointEffect::Offset { force } => law.offset = force,
             JointEffect::Zero { offset } => self.zero = offset,
             JointEffect::LinkMass { factor } => self.mass_factor = factor,
+            JointEffect::LinkCenter { x, y, z } => self.center_m = Vector3::new(x, y, z),
+            JointEffect::Rotor { inertia } => self.rotor = inertia,
         }
     }
 }

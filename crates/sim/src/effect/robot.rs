@@ -57,24 +57,51 @@ pub(crate) fn alter(nominal: &Robot, effects: &Effects) -> Result<Altered, SimEr
     })
 }
 
-/// Builds the arm as it stands: its payload, links as heavy as they are, and where the zeros of
-/// their joints leave them. Coordinates stay those that are reported.
+/// Builds the arm as it stands: its payload, links as heavy as they are with their centres and
+/// rotors, and where the zeros of their joints leave them. Coordinates stay those that are reported.
 pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimError> {
     for (joint, effect) in robot.chain.joints.iter_mut().zip(&effects.joints) {
         if effect.zero != 0.0 {
             joint.shift_zero(effect.zero);
         }
+        add_rotor(joint, effect.rotor)?;
     }
     for (link, effect) in robot.chain.links.iter_mut().zip(&effects.joints) {
         if effect.mass_factor != 1.0 {
             link.mass_kg *= effect.mass_factor;
             link.inertia_about_com_kg_m2 *= effect.mass_factor;
         }
+        link.com_m += effect.center_m;
     }
     match &effects.payload {
         Some(payload) => add_payload(robot, payload),
         None => Ok(()),
     }
+}
+
+/// Gives the motor of a joint more (or less) to turn.
+fn add_rotor(joint: &mut Joint, more: f64) -> Result<(), SimError> {
+    if more == 0.0 {
+        return Ok(());
+    }
+    let of_file = joint.transmission.rotor_inertia;
+    let sum = of_file + more;
+    if sum < 0.0 {
+        let unit = match joint.kind {
+            JointKind::Revolute => "kg m²",
+            JointKind::Prismatic => "kg",
+        };
+        return Err(SimError::scenario(
+            "effect",
+            format!(
+                "a rotor of {more} {unit} beyond the {of_file} {unit} of joint `{}` leaves it {sum} {unit}; it \
+                 must not be negative",
+                joint.name
+            ),
+        ));
+    }
+    joint.transmission.rotor_inertia = sum;
+    Ok(())
 }
 
 /// A massless link that turns about a world axis through the world's origin, on a spring.

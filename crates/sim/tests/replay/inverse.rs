@@ -160,6 +160,24 @@ fn verify_effects_change_the_drive_force_by_their_law() {
     }
 }
 
+/// A rotor as heavy as the mass, on a motion without gravity, takes as much force again.
+#[test]
+fn verify_a_rotor_beyond_the_file_takes_its_force() {
+    let model = swinging_mass();
+    let rotor = |mass_kg: f64| Effect {
+        kind: EffectKind::JointRotor,
+        target: Target::Joint(0),
+        values: vec![mass_kg],
+    };
+    let nominal = model.predict(&[]).unwrap().remove(0);
+    let with = model.predict(&[rotor(MASS_KG)]).unwrap().remove(0);
+    for (one, two) in nominal.iter().zip(&with) {
+        assert!((two - 2.0 * one).abs() < 1e-9, "{two} {one}");
+    }
+    let error = model.predict(&[rotor(-1.0)]).unwrap_err().to_string();
+    assert!(error.contains("must not be negative"), "{error}");
+}
+
 /// A motion f times as fast takes f² times the force of a mass, and f times that of a damper.
 #[test]
 fn verify_forces_under_a_clock_that_runs_fast() {

@@ -17,6 +17,9 @@ const LEAST_PHASE: f64 = 0.1;
 /// dry friction.
 const LEAST_VARIATION: f64 = 0.2;
 
+/// By as much a link's centre may well be off, m.
+const OFF_CENTER_M: f64 = 0.02;
+
 pub(super) fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<JointEffect> {
     use JointEffect as E;
     let effort = SHARE * joint.effort;
@@ -36,6 +39,15 @@ pub(super) fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<J
             offset: SHARE * SHARE,
         },
         E::LinkMass { .. } => E::LinkMass { factor: SHARE },
+        E::LinkCenter { .. } => E::LinkCenter {
+            x: OFF_CENTER_M,
+            y: OFF_CENTER_M,
+            z: OFF_CENTER_M,
+        },
+        // The acceleration of a swing is the square of its speed over its travel.
+        E::Rotor { .. } => E::Rotor {
+            inertia: effort * joint.travel / joint.speed.powi(2),
+        },
         E::LoadFriction { .. } => {
             if joint.effort_varies.is_nan() || joint.effort_varies < LEAST_VARIATION {
                 return None;

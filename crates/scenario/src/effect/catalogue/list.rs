@@ -148,6 +148,20 @@ Joint: JointEffect on Joint(joint: usize = *joint) {
         "The link that the joint moves is heavier or lighter than its file says; its centre stays." {
         factor: "Times the nominal mass and inertia about the centre of mass" = factor(0.05, 20.0).starts(&[1.1]),
     }
+    LinkCenter "link_center" is LinkCenter in [Driven, Free, Inverse]:
+        "The centre of mass of the link that the joint moves is not where its file says." {
+        x: "True centre less that of the file, in the link's frame"
+            = same("x_m", Unit::Metre, 0.0, -5.0, 5.0),
+        y: "True centre less that of the file, in the link's frame"
+            = same("y_m", Unit::Metre, 0.0, -5.0, 5.0),
+        z: "True centre less that of the file, in the link's frame"
+            = same("z_m", Unit::Metre, 0.0, -5.0, 5.0),
+    }
+    JointRotor "joint_rotor" is Rotor in [Driven, Inverse]:
+        "The motor's rotor, seen through its gear, is not that of the robot's file." {
+        inertia: "True inertia (mass) less that of the file, on the gear's joint side"
+            = joint("mass_kg", Unit::Kilogram, "inertia_kg_m2", Unit::KilogramSquareMetre, 0.0, -1e6, 1e6),
+    }
 }
 /// A law of a joint without a name, by values at even places over its position or its speed. Of
 /// these the named one is the first; the whole is [`Effect::curve`].

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::{InverseModel, nominal};
-use crate::effect::{Effects, build_in};
+use crate::effect::{Effects, JointEffects, build_in};
 use crate::error::SimError;
 use crate::replay::motion::Motion;
 use crate::replay::rigid::{Forces, forces};
@@ -34,16 +34,15 @@ impl InverseModel {
     }
 
     /// Forces of the same arm, payload included, where gravity comes from another direction, links
-    /// are heavier than in their files or stand beyond what their joints report, or the motion is
-    /// faster than the data say; `None` where none of this is.
+    /// or rotors are not those of their files or stand beyond what their joints report, or the
+    /// motion is faster than the data say; `None` where none of this is.
     pub(super) fn as_it_stands(
         &self,
         reported: &Forces,
         effects: &Effects,
         motion: &Motion,
     ) -> Result<Option<Forces>, SimError> {
-        let mut joints = effects.joints.iter();
-        let is_other = joints.any(|joint| joint.zero != 0.0 || joint.mass_factor != 1.0);
+        let is_other = effects.joints.iter().any(JointEffects::is_another_arm);
         if effects.tilts.is_empty() && effects.clock_rate.is_none() && !is_other {
             return Ok(None);
         }
