@@ -78,16 +78,18 @@ impl Search<'_, '_> {
     }
 
     /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs
-    /// there are, and for noise of any memory. What is larger than noise that is known may be
-    /// followed by an autoregression as well as noise: its size tells.
+    /// there are, and for noise of any memory, unless what is left without it is larger than noise
+    /// that is known can be: that may be followed by an autoregression as well as noise, and be as
+    /// slow as noise of any memory, but its size tells.
     fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
         let added = &trial.point.effects[base.point.effects.len()..];
         let dof = added.iter().map(|f| f.values.len()).sum();
         let tests = tests.pow(added.len() as u32);
         let bar = critical(self.problem.options.family_wise_error, tests, dof);
-        let gain = base.objective - trial.objective
-            + gain_in_size(self.problem, base, trial, &self.problem.split.train);
-        gain > bar && stands_out(self.problem, gain, &base.residual, &trial.residual)
+        let in_size = gain_in_size(self.problem, base, trial, &self.problem.split.train);
+        let gain = base.objective - trial.objective + in_size;
+        gain > bar
+            && (in_size > bar || stands_out(self.problem, gain, &base.residual, &trial.residual))
     }
 
     /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to

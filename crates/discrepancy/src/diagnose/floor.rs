@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::data::{Observation, Output, Rows};
 use super::noise::{ChannelNoise, dot};
+use crate::stats::distributions::{chi_squared_quantile, normal_tail};
 use crate::stats::{centred, deviation, mean};
 
 /// Where the size of a noise is known from.
@@ -229,13 +230,21 @@ impl Floor {
         }
         let expected = 1.0 + (self.numerical / sigma).powi(2);
         let ratio = squares / free / expected;
-        let error = (2.0 * memory / free).sqrt().hypot(self.error);
+        let error = by_chance(free / memory).hypot(self.error);
         (ratio > EXCESS && ratio.ln() > LEAST_T * error).then(|| Beyond {
             ratio,
             variance: (ratio - 1.0) * expected * self.rms.powi(2),
             error,
         })
     }
+}
+
+/// Relative error of a mean square of noise with so many degrees of freedom: by [`LEAST_T`] of them
+/// its logarithm exceeds by chance no more often than a normal variable its mean. What follows
+/// itself through the whole record, as a constant does, has one degree of freedom at least.
+fn by_chance(degrees: f64) -> f64 {
+    let degrees = degrees.max(1.0);
+    (chi_squared_quantile(normal_tail(LEAST_T), degrees) / degrees).ln() / LEAST_T
 }
 
 /// Of each output, where it is known.

@@ -20,6 +20,11 @@ pub fn chi_squared_tail(x: f64, degrees: f64) -> f64 {
     ChiSquared::new(degrees).map_or(1.0, |law| if x.is_nan() { x } else { law.sf(x.max(0.0)) })
 }
 
+/// The value that a chi-squared variable exceeds with probability `tail`.
+pub fn chi_squared_quantile(tail: f64, degrees: f64) -> f64 {
+    ChiSquared::new(degrees).map_or(f64::INFINITY, |law| law.inverse_cdf(1.0 - tail))
+}
+
 /// Of the F distribution; an infinite `below` means that the denominator is known.
 pub fn f_tail(x: f64, above: f64, below: f64) -> f64 {
     if x.is_nan() || above.is_nan() || above <= 0.0 {

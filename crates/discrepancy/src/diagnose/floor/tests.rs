@@ -10,6 +10,21 @@ const COLOURS: [Colour; 4] = [
     Colour::Pink,
 ];
 
+/// A floor of noise whose size the data state.
+fn stated(size: f64, values: &[f64]) -> Floor {
+    let output = Output {
+        values: values.to_vec(),
+        valid: vec![true; values.len()],
+        noise: Some(size),
+        sample: None,
+        noise_without_memory: 0.0,
+        held_step: 0.0,
+        noise_of_inputs: 0.0,
+        noise_error: 0.0,
+    };
+    Floor::of(&output, 0.0).expect("stated")
+}
+
 /// Noise of 600 samples beside so many seen elsewhere.
 fn drawn(colour: Colour, seed: u64, stretches: usize, length: usize) -> (Floor, Vec<f64>) {
     let all = noise(colour, 600 + stretches * length, seed);
@@ -91,6 +106,26 @@ fn a_sensor_at_rest_has_the_noise_of_its_steps() {
     };
     let floor = Floor::of(&output, deviation(&output.values)).unwrap();
     assert!((floor.rms / (step / 12_f64.sqrt()) - 1.0).abs() < 1e-6);
+}
+
+/// Noise of a stated size is within it whatever its memory, and seven times its size is not: what
+/// follows itself through the record has one degree of freedom, not less.
+#[test]
+fn verify_a_constant_is_beyond_stated_noise_of_any_memory() {
+    let rows: Vec<usize> = (0..230).collect();
+    for (k, memory) in [0.0, 0.5, 0.9, 0.99, 0.999].into_iter().enumerate() {
+        let size = 1.0 / (1.0 - memory * memory).sqrt();
+        let (mut within, mut beyond) = (0, 0);
+        for seed in 0..200 {
+            let own = noise(Colour::Ar1(memory), 230, 90_000 + 1000 * k as u64 + seed);
+            let floor = stated(size, &own);
+            within += usize::from(floor.beyond(&own, &rows).is_none());
+            let moved: Vec<f64> = own.iter().map(|x| x + 7.0 * size).collect();
+            beyond += usize::from(floor.loss(&moved, &rows) > 16.0);
+        }
+        assert!(within >= 198, "{memory}: {within} of 200");
+        assert!(beyond >= 180, "{memory}: {beyond} of 200");
+    }
 }
 
 #[test]
