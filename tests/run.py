@@ -122,7 +122,9 @@ def run_pytest(python: Path) -> Counts:
         side_by_side = ["-n", "auto", "--dist", "loadfile"]
         # what a test wrote is of use only if it failed, and takes gigabytes
         kept = ["-o", "tmp_path_retention_policy=failed", "-o", "tmp_path_retention_count=1"]
-        command = [python, "-m", "pytest", "-q", *side_by_side, *kept, f"--junitxml={report}", *PYTHON_TESTS]
+        # which tests take longest is seen where time runs short
+        told = ["-q", "--durations=20", f"--junitxml={report}"]
+        command = [python, "-m", "pytest", *told, *side_by_side, *kept, *PYTHON_TESTS]
         ended = subprocess.run(command, cwd=ROOT)
         counts = count_pytest(report) if report.exists() else Counts(0, 1)
     if ended.returncode != 0:
