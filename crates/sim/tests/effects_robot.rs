@@ -74,8 +74,8 @@ fn verify_link_center_and_joint_rotor_are_those_of_an_arm_that_has_them() {
         let push = "release_n = [100.0, 300.0, -200.0]";
         load("irb6600_175_255", &settings, "duration_s = 0.05", push)
     };
-    let urdf =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/irb6600_175_255/robot.urdf");
+    let urdf = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../assets/robots/irb6600_175_255/robot.urdf");
     let nominal = Robot::load(&urdf, None, None).expect("asset");
     let (link, joint) = (&nominal.chain.links[2].name, &nominal.chain.joints[2]);
     let cases = [

@@ -4,8 +4,8 @@ use crate::error::SimError;
 use truecut_arm::{JointKind, Robot};
 use truecut_core::friction::{FootFriction, FrictionLaw};
 use truecut_scenario::effect::{
-    BaseEffect, ClockEffect, Effect, EffectKind, FootEffect, JointEffect, Model, SensorEffect, Target, Typed,
-    WheelEffect,
+    BaseEffect, ClockEffect, Effect, EffectKind, FootEffect, JointEffect, Model, SensorEffect,
+    Target, Typed, WheelEffect,
 };
 use truecut_scenario::{DriveKind, Parts, ProcessSpec, ReplayMode, Scenario, WheelHold};
 
@@ -64,9 +64,11 @@ pub fn misfit(scenario: &Scenario, effect: &Effect) -> Option<String> {
     }
     let (name, parts) = (scenario.process.name(), scenario.process.facts().parts);
     let why = match effect.typed()? {
-        Typed::Joint(_, JointEffect::Rotor { .. }) => (model == Model::Driven
-            && scenario.robot.drive != DriveKind::Servo)
-            .then_some("a drive that follows its command exactly turns no rotor; drive = \"servo\" does"),
+        Typed::Joint(_, JointEffect::Rotor { .. }) => {
+            (model == Model::Driven && scenario.robot.drive != DriveKind::Servo).then_some(
+                "a drive that follows its command exactly turns no rotor; drive = \"servo\" does",
+            )
+        }
         Typed::Joint(..)
         | Typed::Curve(..)
         | Typed::Robot(_)

@@ -113,7 +113,7 @@ fn a_sensor_at_rest_has_the_noise_of_its_steps() {
 #[test]
 fn verify_a_constant_is_beyond_stated_noise_of_any_memory() {
     let rows: Vec<usize> = (0..230).collect();
-    for (k, memory) in [0.0, 0.5, 0.9, 0.99, 0.999].into_iter().enumerate() {
+    for (k, memory) in [0.0_f64, 0.5, 0.9, 0.99, 0.999].into_iter().enumerate() {
         let size = 1.0 / (1.0 - memory * memory).sqrt();
         let (mut within, mut beyond) = (0, 0);
         for seed in 0..200 {

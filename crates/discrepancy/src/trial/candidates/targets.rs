@@ -28,7 +28,9 @@ pub(super) fn why_untold(kind: EffectKind) -> &'static str {
         "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
         "wheel_eccentricity" => "the wheel does not turn",
         "clock_delay" => "with one channel it is a delay of its sensor",
-        "link_mass" | "link_center" | "joint_rotor" => "only measured motion of all joints shows one link beside the others",
+        "link_mass" | "link_center" | "joint_rotor" => {
+            "only measured motion of all joints shows one link beside the others"
+        }
         "clock_rate" => "with one channel it is hardly anything but a gain",
         "wheel_removal" => "what is removed is not measured",
         _ => "nothing in the nominal run gives it a size",
