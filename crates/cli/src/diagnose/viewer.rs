@@ -106,6 +106,7 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     for found in text::correlated_signals(diagnosis) {
         text.push_str(&format!("- {found}\n"));
     }
+    text.push('\n');
     text.push_str(LEGEND);
     text
 }

@@ -23,7 +23,7 @@ const HALF_NUMBER: f64 = 0.085;
 /// Where the texts above and below a field are, in its longer side.
 const ABOVE: f64 = 1.1;
 /// As [`ABOVE`].
-const BELOW: f64 = -0.01;
+const BELOW: f64 = -0.06;
 /// How tall a view is that shows them, too, in the field's longer side.
 pub(super) const WITH_TEXTS: f64 = 1.3;
 /// A value larger than the full scale by more than rounding.
