@@ -49,6 +49,42 @@ impl Axis {
         (self.low, self.high)
     }
 
+    /// Where the axis holds logarithms (base 10): places of 1, 2 and 5 times powers of ten within
+    /// it, and these numbers; its own ticks with the numbers that they are of, if that were one.
+    pub(crate) fn numbers_of_logarithms(&self) -> Vec<(f64, String)> {
+        let within = |place: &f64| (self.low - NEAR..=self.high + NEAR).contains(place);
+        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
+        let round = |steps: &[f64]| -> Vec<f64> {
+            let places = decades.clone().flat_map(|decade| {
+                let places = steps.iter().map(move |s| s.log10() + f64::from(decade));
+                places.collect::<Vec<_>>()
+            });
+            places.filter(within).collect()
+        };
+        // Over many decades the powers of ten are enough.
+        let places = match round(&[1.0, 2.0, 5.0]) {
+            many if many.len() > 7 => round(&[1.0]),
+            few if few.len() < 2 => self.ticks.clone(),
+            some => some,
+        };
+        let number = |place: f64| {
+            let value = 10f64.powf(place);
+            let written = truecut_recording::significant(value, 2);
+            // `0.20` for a fifth says no more than `0.2`.
+            match written.contains('.') && !written.contains('e') {
+                true => written
+                    .trim_end_matches('0')
+                    .trim_end_matches('.')
+                    .to_owned(),
+                false => written,
+            }
+        };
+        places
+            .iter()
+            .map(|place| (*place, number(*place)))
+            .collect()
+    }
+
     /// A tick as written, with no more digits than its neighbours need to differ.
     pub(crate) fn label(&self, tick: f64) -> String {
         let step = match self.ticks.as_slice() {
@@ -68,6 +104,9 @@ impl Axis {
         format!("{:.decimals$}", if tick == 0.0 { 0.0 } else { tick })
     }
 }
+
+/// Rounding at an end.
+const NEAR: f64 = 1e-9;
 
 /// The next 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
@@ -107,6 +146,24 @@ mod tests {
             (Some(0.0), Some(0.5), Some(1.0))
         );
         assert_eq!(axis.place(f64::NAN), None);
+    }
+
+    #[test]
+    fn logarithms_are_numbered_with_what_they_are_of() {
+        let numbers = |low: f64, high: f64| -> Vec<String> {
+            let axis = Axis::around([low, high].into_iter(), 5);
+            let numbers = axis.numbers_of_logarithms();
+            for (place, number) in &numbers {
+                let value: f64 = number.parse().expect("a number");
+                assert!((value.log10() - place).abs() < 0.03, "{number} at {place}");
+            }
+            numbers.into_iter().map(|(_, number)| number).collect()
+        };
+        assert_eq!(numbers(-1.0, 0.0), ["0.1", "0.2", "0.5", "1"]);
+        assert_eq!(numbers(1.0, 2.0), ["10", "20", "50", "100"]);
+        // The axis ends at round numbers of its own: from -4 to 4.
+        assert_eq!(numbers(-4.0, 3.0).len(), 9);
+        assert!(numbers(0.32, 0.6).len() >= 2);
     }
 
     #[test]

@@ -83,8 +83,8 @@ pub use error::{FileError, Reason};
 pub use ipc::{IpcSink, read_ipc_stream};
 pub use parquet_file::{ParquetSink, read_parquet, read_recording, write_parquet};
 pub use rrd::{
-    BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, FaceShown, PartShown, PlanShown,
-    PlanStation, RrdSink, write_before_after, write_charts, write_part, write_plan,
+    BeforeAfter, ChannelBeforeAfter, Chart, ChartPage, Curve, CurveStyle, FaceShown, PartShown,
+    PlanShown, PlanStation, RrdSink, write_before_after, write_charts, write_part, write_plan,
 };
 pub use stored::StoredRows;
 pub use table::record_batch;

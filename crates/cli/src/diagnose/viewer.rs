@@ -89,15 +89,16 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     };
     text.push_str(&table(&head.map(str::to_owned), &causes));
     if let [head, rows @ ..] = &text::error_rows(diagnosis)[..] {
-        let mut head = head.clone();
-        "rms on held-out data".clone_into(&mut head[0]);
-        text.push_str(&table(&head, rows));
+        text.push_str(&errors(head, rows));
     }
     let others = text::alternative_rows(diagnosis);
-    text.push_str(&table(
-        &["other explanations".to_owned(), String::new()],
-        &others,
-    ));
+    // Sentences, which a table would not wrap.
+    if !others.is_empty() {
+        text.push_str("\nOther explanations:\n\n");
+    }
+    for other in &others {
+        text.push_str(&format!("- {}\n", other.join(": ")));
+    }
     text.push_str(&format!(
         "\nUnexplained: {}.\n\n",
         text::unexplained(diagnosis)
@@ -105,7 +106,45 @@ fn verdict(diagnosis: &Diagnosis) -> String {
     for found in text::correlated_signals(diagnosis) {
         text.push_str(&format!("- {found}\n"));
     }
+    text.push('\n');
     text.push_str(LEGEND);
+    text
+}
+
+/// The table of errors, narrow: a wide one, and every line with it, would be cut off. Units stand
+/// with the channels, and how noise is known stands below.
+fn errors(head: &[String], rows: &[Vec<String>]) -> String {
+    let narrow = |row: &[String]| row[..row.len().saturating_sub(2)].to_vec();
+    let mut first = narrow(head);
+    if let Some(corner) = first.first_mut() {
+        "rms on held-out data".clone_into(corner);
+    }
+    let channels = rows.iter().map(|row| {
+        let mut shown = narrow(row);
+        if let (Some(name), [.., unit, _]) = (shown.first_mut(), row.as_slice()) {
+            *name = format!("{name} [{}]", unit.trim());
+        }
+        shown
+    });
+    let mut text = table(&first, &channels.collect::<Vec<_>>());
+    let mut known: Vec<(&str, Vec<&str>)> = Vec::new();
+    for row in rows {
+        let ([name, ..], Some(from)) = (row.as_slice(), row.last()) else {
+            continue;
+        };
+        match known.iter_mut().find(|(one, _)| *one == from.trim()) {
+            Some((_, names)) => names.push(name.trim()),
+            None => known.push((from.trim(), vec![name.trim()])),
+        }
+    }
+    text.push('\n');
+    for (from, names) in known {
+        let of = match names.len() == rows.len() {
+            true => String::new(),
+            false => format!(" of {}", names.join(", ")),
+        };
+        text.push_str(&format!("- noise{of} known from: {from}\n"));
+    }
     text
 }
 

@@ -1,6 +1,6 @@
 //! A figure's panels as charts of the viewer.
 
-use truecut_telemetry::{Chart, ChartPage, Curve};
+use truecut_telemetry::{Chart, ChartPage, Curve, CurveStyle};
 
 use super::{Figure, Layer, Panel, Scale, Style};
 
@@ -10,8 +10,8 @@ const COLOURS: [[u8; 3]; 7] = [
     [242, 142, 43],
     [40, 190, 140],
     [225, 140, 190],
-    [230, 159, 0],
-    [86, 180, 233],
+    [245, 225, 90],
+    [170, 120, 255],
     [235, 235, 235],
 ];
 
@@ -25,7 +25,7 @@ pub fn charts_of(figure: &Figure) -> ChartPage {
 
 fn chart(panel: &Panel) -> Chart {
     let shown = |layer: &&Layer| !matches!(layer.style, Style::Cells { .. });
-    // The viewer's charts are linear: a logarithmic axis shows logarithms.
+    // The viewer's charts are linear: a logarithmic axis holds logarithms.
     let logarithmic = panel.y_scale == Scale::Logarithmic;
     let curve = |layer: &Layer| Curve {
         name: layer.label.clone(),
@@ -34,7 +34,11 @@ fn chart(panel: &Panel) -> Chart {
             .map(|(x, y)| (*x, if logarithmic { y.log10() } else { *y }))
             .collect(),
         marks: Vec::new(),
-        dots: matches!(layer.style, Style::Marks(_)),
+        style: match layer.style {
+            Style::Marks(_) => CurveStyle::Dots,
+            Style::Dashed => CurveStyle::Dashed,
+            _ => CurveStyle::Line,
+        },
     };
     let curves = |layer: &Layer| match &layer.style {
         // The viewer draws no areas: both edges.
@@ -49,16 +53,12 @@ fn chart(panel: &Panel) -> Chart {
         }
         _ => vec![curve(layer)],
     };
-    let y_label = if logarithmic {
-        format!("log10 of {}", panel.y_label)
-    } else {
-        panel.y_label.clone()
-    };
     Chart {
         title: panel.title.clone(),
         x_label: panel.x_label.clone(),
-        y_label,
+        y_label: panel.y_label.clone(),
         least_y: f64::NAN,
+        logarithmic,
         curves: panel.layers.iter().filter(shown).flat_map(curves).collect(),
     }
 }

@@ -12,17 +12,19 @@ use crate::figure::{BLACK, BLUE, Figure, GREEN, Layer, Legend, ORANGE, Panel, th
 /// Most points of a curve.
 const POINTS: usize = 1500;
 
-/// Five panels: lines on the face, widths and depths along them, joint angles, joint speeds,
-/// clearance.
+/// Six panels: lines on the face, edge gap and depth along them, joint angles, joint speeds,
+/// clearance, swath.
 pub fn figure(answer: &PlannedPath<'_>) -> Figure {
+    let [contact, swath] = along(answer);
     Figure {
         title: format!("{}: path", answer.job.name),
         panels: [
             Some(on_face(answer)),
-            Some(along(answer)),
+            Some(contact),
             Some(joints(answer)),
             Some(speeds(answer)),
             answer.clearance.as_ref().map(|own| clearance(answer, own)),
+            Some(swath),
         ]
         .into_iter()
         .flatten()
@@ -62,8 +64,8 @@ fn on_face(answer: &PlannedPath<'_>) -> Panel {
     let [one, other] = edges;
     Panel::new(
         "Lines on the face",
-        "patch, across the view [mm]",
-        "patch, up the view [mm]",
+        "across the face [mm]",
+        "up the face [mm]",
         vec![
             Layer::line("face", border.iter().map(seen), BLACK),
             Layer::dashed("swath", one, ORANGE),
@@ -85,8 +87,8 @@ fn border(answer: &PlannedPath<'_>) -> Vec<Vector3<f64>> {
     }
 }
 
-/// Swath, edge gap and depth over arc length along the lines.
-fn along(answer: &PlannedPath<'_>) -> Panel {
+/// Edge gap and depth, and the swath, which is far larger, over arc length along the lines.
+fn along(answer: &PlannedPath<'_>) -> [Panel; 2] {
     let mut at_mm = 0.0;
     let (mut swath, mut gap, mut depth) = (Vec::new(), Vec::new(), Vec::new());
     for (line, depths) in answer.path.lines.iter().zip(&answer.depths.at_m) {
@@ -94,7 +96,7 @@ fn along(answer: &PlannedPath<'_>) -> Panel {
             if let Some(before) = k.checked_sub(1).map(|b| &line[b]) {
                 at_mm += (contact.point_m - before.point_m).norm() * 1e3;
             }
-            swath.push((at_mm, contact.swath_m * 1e2));
+            swath.push((at_mm, contact.swath_m * 1e3));
             gap.push((at_mm, contact.edge_gap_m * 1e3));
             // The tool is lifted at the first pose of a line.
             depth.push((at_mm, depths[k + 1] * 1e3));
@@ -103,21 +105,22 @@ fn along(answer: &PlannedPath<'_>) -> Panel {
     let layer = |label: &str, points: Vec<(f64, f64)>, colour| {
         Layer::line(label, thinned(points, POINTS), colour)
     };
-    Panel::new(
-        "What the wheel does",
-        "along the lines [mm]",
-        "swath [cm]; gap, depth [mm]",
-        vec![
-            layer("swath", swath, BLUE),
-            layer("edge gap", gap, ORANGE),
-            layer("depth", depth, GREEN),
-        ],
-    )
+    let panel = |title: &str, y_label: &str, layers| {
+        Panel::new(title, "along the lines [mm]", y_label, layers)
+    };
+    [
+        panel(
+            "What the wheel does",
+            "gap and depth [mm]",
+            vec![layer("edge gap", gap, ORANGE), layer("depth", depth, GREEN)],
+        ),
+        panel("Swath", "swath [mm]", vec![layer("", swath, BLUE)]),
+    ]
 }
 
 /// The curve of a joint, named by its number.
 fn of_joint(joint: usize, curve: impl Iterator<Item = (f64, f64)>) -> Layer {
-    let number = (joint + 1).to_string();
+    let number = format!("joint {}", joint + 1);
     Layer::line(number, thinned(curve, POINTS), joint)
 }
 

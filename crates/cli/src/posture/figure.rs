@@ -54,9 +54,9 @@ fn margins(answer: &PostureAnswer<'_>, map: &MarginMap) -> Panel {
         layers.push(Layer::dashed("scenario", angles(&own.plan), PINK));
     }
     let of_plan = map.criterion == answer.plan.criterion;
-    let mark = if of_plan { ", planned by" } else { "" };
+    let mark = if of_plan { "Plan by " } else { "" };
     Panel::new(
-        format!("{}{mark}", name(map.criterion)),
+        format!("{mark}{}", name(map.criterion)),
         "along the path [mm]",
         "redundancy angle [deg]",
         layers,
@@ -153,7 +153,7 @@ fn along_path(answer: &PostureAnswer<'_>) -> Panel {
     let length_mm = answer.study.path.length_m() * 1e3;
     layers.push(Layer::line("", [(0.0, 1.0), (length_mm, 1.0)], BLACK));
     Panel::new(
-        "dashed: scenario",
+        "Reserve (dashed: scenario)",
         "along the path [mm]",
         "value over what is needed",
         layers,

@@ -45,11 +45,7 @@ pub(super) const TEMPLATES: &[Template] = &[
         DEFLECTION,
         Place::FrontWithSpectrum,
         1e-6,
-        &[
-            "tool.deflection_",
-            "milling.deflection_",
-            "path_milling.deflection_",
-        ],
+        &["tool.deflection_", "milling.deflection_"],
     ),
     front(
         "Tool displacement, process frame",
@@ -80,6 +76,13 @@ pub(super) const TEMPLATES: &[Template] = &[
         Place::Front,
         10.0,
         &["path_milling.force_"],
+    ),
+    // The arm's deflection along its path and this share directions, and hence colours.
+    front(
+        "Deflection of the tool's tip, work frame",
+        Place::Front,
+        1e-6,
+        &["path_milling.deflection_"],
     ),
     front(
         "Left on the wall",

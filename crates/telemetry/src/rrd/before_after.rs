@@ -5,16 +5,16 @@ use std::path::Path;
 use super::store::{Logged, Store};
 use re_sdk_types::AsComponents;
 use re_sdk_types::archetypes::{Scalars, SeriesLines};
-use re_sdk_types::blueprint::archetypes::{PlotLegend, TimeAxis};
+use re_sdk_types::blueprint::archetypes::PlotLegend;
 use re_sdk_types::blueprint::components as kinds;
 use re_sdk_types::blueprint::components::PlayState;
 use re_sdk_types::components::Color;
-use re_sdk_types::datatypes::{TimeInt, TimeRange, TimeRangeBoundary};
 use truecut_recording::{SinkError, UserUnit};
 
 use super::blueprint::{Layout, Part};
+use super::outline::{Outline, Plot, time_axis, value_axis};
 use super::results::SCENARIO;
-use super::{application, log_text, nanoseconds, time_column, write_store};
+use super::{application, log_text, time_column, write_store};
 use crate::decimate::{ROWS_PER_SECOND, rows_to_draw};
 use crate::error::failed;
 
@@ -88,15 +88,14 @@ type Style = (&'static str, [u8; 3], f32);
 
 impl ChannelBeforeAfter<'_> {
     fn log(&self, stream: &Store, index: usize, time_s: &[f64]) -> Logged<()> {
-        let less = |model: &[f64]| -> Vec<f64> {
-            let pairs = self.measured.iter().zip(model);
-            pairs.map(|(measured, model)| measured - model).collect()
-        };
         let mut signals: Vec<(Style, &[f64])> = vec![
             (("measured", MEASURED, 4.0), &self.measured),
             (("nominal", BEFORE, 1.5), self.before),
         ];
-        let (left, right) = (less(self.before), self.after.map(less));
+        let (left, right) = (
+            self.less(self.before),
+            self.after.map(|after| self.less(after)),
+        );
         let mut residuals: Vec<(Style, &[f64])> = vec![(("nominal", BEFORE, 1.0), &left)];
         if let (Some(after), Some(right)) = (self.after, &right) {
             signals.push((("extended", AFTER, 1.5), after));
@@ -131,29 +130,60 @@ impl ChannelBeforeAfter<'_> {
         )
     }
 
+    /// What a model leaves.
+    fn less(&self, model: &[f64]) -> Vec<f64> {
+        let pairs = self.measured.iter().zip(model);
+        pairs.map(|(measured, model)| measured - model).collect()
+    }
+
     /// Signals and residuals side by side.
     fn row(&self, layout: &Layout, index: usize, time_s: &[f64]) -> Logged<Part> {
-        let legend = PlotLegend::new().with_corner(kinds::Corner2D::LeftTop);
-        let [from, to] = self.worst(time_s).map(|time_s| {
-            let at = nanoseconds(time_s);
-            TimeRangeBoundary::Absolute(TimeInt(at))
-        });
-        let axis = TimeAxis::new().with_view_range(TimeRange {
-            start: from,
-            end: to,
-        });
-        let query = ["$origin/**".to_owned()];
-        let view = |title: &str, entity: &str, properties: &[(&str, &dyn AsComponents)]| {
-            layout.view("TimeSeries", title, entity, &query, properties)
+        let (Some(first), Some(last)) = (time_s.first(), time_s.last()) else {
+            return layout.side_by_side(Vec::new());
         };
+        let (worst, whole) = (self.worst(time_s), [*first, *last]);
+        let signals: Vec<(&str, &[f64])> = [
+            ("measured", Some(self.measured.as_slice())),
+            ("nominal", Some(self.before)),
+            ("extended", self.after),
+        ]
+        .into_iter()
+        .filter_map(|(name, values)| Some((name, values?)))
+        .collect();
         let title = format!("{} [{}], where it is worst", self.name, self.unit.symbol);
-        let signals = view(
+        let entity = signals_at(index);
+        let signals = plot(
+            layout,
             &title,
-            &signals_at(index),
-            &[("PlotLegend", &legend), ("TimeAxis", &axis)],
+            &entity,
+            time_s,
+            (&self.unit, &signals),
+            worst,
         )?;
-        let title = format!("Measured − simulated [{}]", self.residual_unit.symbol);
-        let residuals = view(&title, &residuals_at(index), &[("PlotLegend", &legend)])?;
+        let title = format!(
+            "{}: measured − simulated [{}]",
+            self.name, self.residual_unit.symbol
+        );
+        let left = self.less(self.before);
+        let right = self.after.map(|after| self.less(after));
+        let noise = vec![BAND * self.noise; time_s.len()];
+        let residuals: Vec<(&str, &[f64])> = [
+            ("nominal", Some(&left)),
+            ("extended", right.as_ref()),
+            ("noise, +2 rms", Some(&noise)),
+            ("noise, −2 rms", None),
+        ]
+        .into_iter()
+        .map(|(name, values)| (name, values.map_or(&[][..], Vec::as_slice)))
+        .collect();
+        let residuals = plot(
+            layout,
+            &title,
+            &residuals_at(index),
+            time_s,
+            (&self.residual_unit, &residuals),
+            whole,
+        )?;
         layout.side_by_side(vec![(1.0, signals), (1.0, residuals)])
     }
 
@@ -183,6 +213,38 @@ impl ChannelBeforeAfter<'_> {
         let end = worst.1;
         [time_s[end - width].max(*first), time_s[end - 1].min(*last)]
     }
+}
+
+/// A plot of curves over a stretch of time, its legend where it hides least of them.
+fn plot(
+    layout: &Layout,
+    title: &str,
+    entity: &str,
+    time_s: &[f64],
+    (unit, curves): (&UserUnit, &[(&str, &[f64])]),
+    [from_s, to_s]: [f64; 2],
+) -> Logged<Part> {
+    let rows = time_s.partition_point(|t| *t < from_s)..time_s.partition_point(|t| *t <= to_s);
+    let outlines = curves.iter().map(|(_, values)| {
+        let values = values.get(rows.clone()).unwrap_or_default();
+        Outline::of(&time_s[rows.clone()], values)
+    });
+    let outlines: Vec<Outline> = outlines.collect();
+    let factor = unit.from_si(1.0);
+    let plot = Plot(outlines.iter().map(|outline| (outline, factor)).collect());
+    let names: Vec<&str> = curves.iter().map(|(name, _)| *name).collect();
+    let range = plot.range(0.0);
+    let corner = range.map_or(kinds::Corner2D::LeftTop, |range| {
+        plot.corner(&names, [from_s, to_s], range)
+    });
+    let legend = PlotLegend::new().with_corner(corner);
+    let times = time_axis([from_s, to_s]);
+    let values = range.map(value_axis);
+    let query = ["$origin/**".to_owned()];
+    let mut properties: Vec<(&str, &dyn AsComponents)> = vec![("PlotLegend", &legend)];
+    properties.extend(times.iter().map(|axis| ("TimeAxis", axis as _)));
+    properties.extend(values.iter().map(|axis| ("ScalarAxis", axis as _)));
+    layout.view("TimeSeries", title, entity, &query, &properties)
 }
 
 fn signals_at(index: usize) -> String {
@@ -236,7 +298,7 @@ fn layout(stream: &Store, shown: &BeforeAfter<'_>) -> Logged<()> {
         pages.push(layout.titled_stack(&title, rows?)?);
     }
     let right = layout.pages(pages)?;
-    let root = layout.side_by_side(vec![(0.7, texts), (1.3, right)])?;
+    let root = layout.side_by_side(vec![(0.85, texts), (1.3, right)])?;
     layout.send(&root, PlayState::Paused, stream)
 }
 

@@ -11,7 +11,7 @@ const WIDTH: f32 = 760.0;
 /// As [`WIDTH`].
 const HEIGHT: f32 = 180.0;
 /// What the view must show across: the drawing, with room for the numbers on its left.
-const ACROSS: [f64; 2] = [-50.0, 780.0];
+const ACROSS: [f64; 2] = [-64.0, 780.0];
 /// What it must show down: the drawing, with room for the labels above and below.
 pub(super) const DOWN: [f64; 2] = [-36.0, 244.0];
 /// A legend of names no longer than this stands beside the drawing, where it hides no curve.
@@ -20,6 +20,11 @@ const SHORT_NAME: usize = 20;
 const LEGEND: f64 = 170.0;
 /// Height of a row of a legend.
 const ROW: f32 = 27.0;
+/// The viewer hangs a label below its point, by so much of the view's width where that is as wide
+/// as in our layouts: the point is put higher by it, so that the label's middle is at its place.
+const HANGS: f32 = 0.0175;
+/// A dash and the gap behind it, in the drawing's units.
+const DASH: [f32; 2] = [9.0, 6.0];
 
 const GREY: [u8; 3] = [170, 170, 170];
 const DARK: [u8; 3] = [70, 70, 70];
@@ -36,8 +41,20 @@ pub struct Curve {
     pub points: Vec<(f64, f64)>,
     /// Places that are labelled, e.g. the peaks.
     pub marks: Vec<(f64, f64, String)>,
-    /// Points are not joined.
-    pub dots: bool,
+    /// How points are joined.
+    pub style: CurveStyle,
+}
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CurveStyle {
+    /// A line.
+    #[default]
+    Line,
+    /// A broken line.
+    Dashed,
+    /// Its points, not joined.
+    Dots,
 }
 
 /// A chart.
@@ -51,6 +68,8 @@ pub struct Chart {
     pub y_label: String,
     /// The vertical axis goes at least so far; NaN for as far as the curves do.
     pub least_y: f64,
+    /// The curves are logarithms (base 10): the vertical axis is numbered with what they are of.
+    pub logarithmic: bool,
     /// Drawn in this order.
     pub curves: Vec<Curve>,
 }
@@ -61,6 +80,8 @@ struct Drawing {
     y: Axis,
     lines: Vec<(Vec<[f32; 2]>, [u8; 3], Radius)>,
     texts: Vec<([f32; 2], String, [u8; 3], Radius)>,
+    /// How far below its point a label hangs.
+    hangs: f32,
 }
 
 impl Chart {
@@ -72,6 +93,22 @@ impl Chart {
             0.0
         };
         [ACROSS[0], ACROSS[1] + beside]
+    }
+
+    /// The middle of that half, as a share of the width, in which the curves are lower.
+    fn lower_side(&self, drawing: &Drawing) -> f32 {
+        let places = self.curves.iter().flat_map(|curve| &curve.points);
+        let highest = |half: std::ops::Range<f64>| {
+            let within = places.clone().filter(|(x, _)| {
+                let place = drawing.x.place(*x);
+                place.is_some_and(|place| half.contains(&place))
+            });
+            within.fold(f64::NEG_INFINITY, |highest, (_, y)| highest.max(*y))
+        };
+        match highest(0.46..0.9) <= highest(0.1..0.54) {
+            true => 0.68,
+            false => 0.32,
+        }
     }
 
     fn has_legend_beside(&self) -> bool {
@@ -91,11 +128,12 @@ impl Chart {
             y,
             lines: Vec::new(),
             texts: Vec::new(),
+            hangs: HANGS * (self.across()[1] - self.across()[0]) as f32,
         };
-        drawing.axes(&self.x_label, &self.y_label);
+        drawing.axes(self);
         let left = match self.has_legend_beside() {
             true => WIDTH + 0.55 * LEGEND as f32,
-            false => 0.68 * WIDTH,
+            false => WIDTH * self.lower_side(&drawing),
         };
         for curve in &self.curves {
             drawing.curve(curve);
@@ -116,12 +154,14 @@ impl Drawing {
         Some([across as f32 * WIDTH, (1.0 - up as f32) * HEIGHT])
     }
 
-    fn text(&mut self, at: [f32; 2], text: String, color: [u8; 3]) {
+    /// A text whose middle is there.
+    fn text(&mut self, [across, down]: [f32; 2], text: String, color: [u8; 3]) {
+        let at = [across, down - self.hangs];
         self.texts
             .push((at, text, color, Radius::new_ui_points(0.0)));
     }
 
-    fn axes(&mut self, x_label: &str, y_label: &str) {
+    fn axes(&mut self, chart: &Chart) {
         let thin = Radius::new_ui_points(0.5);
         let (x_low, y_low) = (self.x.ends().0, self.y.ends().0);
         for tick in self.x.ticks.clone() {
@@ -130,18 +170,27 @@ impl Drawing {
             };
             self.lines
                 .push((vec![[across, 0.0], [across, HEIGHT]], DARK, thin));
-            self.text([across, HEIGHT + 12.0], self.x.label(tick), GREY);
+            self.text([across, HEIGHT + 15.0], self.x.label(tick), GREY);
         }
-        for tick in self.y.ticks.clone() {
+        let numbers = match chart.logarithmic {
+            true => self.y.numbers_of_logarithms(),
+            false => (self.y.ticks.iter())
+                .map(|tick| (*tick, self.y.label(*tick)))
+                .collect(),
+        };
+        for (tick, number) in numbers {
             let Some([_, down]) = self.place(x_low, tick) else {
                 continue;
             };
             self.lines
                 .push((vec![[0.0, down], [WIDTH, down]], DARK, thin));
-            self.text([-20.0, down], self.y.label(tick), GREY);
+            // Long numbers end where short ones do.
+            let left = -8.0 - 4.0 * number.chars().count() as f32;
+            self.text([left, down], number, GREY);
         }
-        self.text([0.5 * WIDTH, HEIGHT + 32.0], x_label.to_owned(), WHITE);
-        self.text([0.25 * WIDTH, -16.0], y_label.to_owned(), WHITE);
+        let below = [0.5 * WIDTH, HEIGHT + 40.0];
+        self.text(below, chart.x_label.clone(), WHITE);
+        self.text([0.25 * WIDTH, -18.0], chart.y_label.clone(), WHITE);
     }
 
     /// The curve and its marks.
@@ -154,21 +203,36 @@ impl Drawing {
                 .iter()
                 .filter_map(|(x, y)| self.place(*x, *y))
                 .collect();
-            if line.len() > 1 && !curve.dots {
-                lines.push((line, color, Radius::new_ui_points(1.0)));
+            let thin = Radius::new_ui_points(1.0);
+            match curve.style {
+                _ if line.len() < 2 => {}
+                CurveStyle::Line => lines.push((line, color, thin)),
+                CurveStyle::Dashed => {
+                    lines.extend(dashes(&line).into_iter().map(|dash| (dash, color, thin)));
+                }
+                CurveStyle::Dots => {}
             }
         }
         self.lines.extend(lines);
-        let dots = curve.points.iter().filter(|_| curve.dots);
-        let dots = dots.map(|(x, y)| (*x, *y, ""));
-        let marks = curve
-            .marks
-            .iter()
-            .map(|(x, y, text)| (*x, *y, text.as_str()));
-        for (x, y, text) in dots.chain(marks) {
+        let dots = curve.points.iter();
+        let dots = dots.filter(|_| curve.style == CurveStyle::Dots);
+        let marked = curve.marks.iter().map(|(x, y, _)| (*x, *y));
+        for (x, y) in dots.copied().chain(marked) {
             if let Some(at) = self.place(x, y) {
-                self.texts
-                    .push((at, text.to_owned(), color, Radius::new_ui_points(4.0)));
+                let dot = Radius::new_ui_points(4.0);
+                self.texts.push((at, String::new(), color, dot));
+            }
+        }
+        for (x, y, text) in &curve.marks {
+            if let Some([across, down]) = self.place(*x, *y) {
+                // Beside the dot: below it the name would hide the peak.
+                let beside = 14.0 + 4.2 * text.chars().count() as f32;
+                let side = if across > 0.8 * WIDTH {
+                    -beside
+                } else {
+                    beside
+                };
+                self.text([across + side, down], text.clone(), color);
             }
         }
     }
@@ -187,6 +251,91 @@ impl Drawing {
     }
 }
 
+/// The dashes of a line: the viewer has no pattern of its own.
+fn dashes(line: &[[f32; 2]]) -> Vec<Vec<[f32; 2]>> {
+    let [dash, gap] = DASH;
+    let mut found = vec![vec![line[0]]];
+    // How far into a dash and its gap the line is.
+    let mut at = 0.0;
+    for ends in line.windows(2) {
+        let [from, to] = [ends[0], ends[1]];
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let mut done = 0.0;
+        while done < length {
+            let is_drawn = at < dash;
+            let step = (if is_drawn { dash } else { dash + gap } - at).min(length - done);
+            done += step.max(1e-3);
+            at += step.max(1e-3);
+            let share = (done / length).min(1.0);
+            let point = [0, 1].map(|i| from[i] + share * (to[i] - from[i]));
+            if is_drawn && let Some(last) = found.last_mut() {
+                last.push(point);
+            }
+            if at >= dash + gap {
+                at = 0.0;
+                found.push(vec![point]);
+            }
+        }
+    }
+    found.retain(|dash| dash.len() > 1);
+    found
+}
+
 fn rgb([r, g, b]: [u8; 3]) -> Color {
     Color::from_rgb(r, g, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nine of every fifteen units of a line are drawn, in pieces that all lie on it, however it is divided.
+    #[test]
+    fn a_broken_line_is_drawn_in_dashes_of_one_length() {
+        for pieces in [1_u8, 7, 250] {
+            let line: Vec<[f32; 2]> = (0..=pieces)
+                .map(|k| [297.0 * f32::from(k) / f32::from(pieces), 5.0])
+                .collect();
+            let found = dashes(&line);
+            assert_eq!(found.len(), 20, "{pieces}");
+            let drawn: f32 = found
+                .iter()
+                .map(|dash| dash[dash.len() - 1][0] - dash[0][0])
+                .sum();
+            assert!((drawn - 20.0 * 9.0).abs() < 0.5, "{drawn}");
+            assert!(found.iter().flatten().all(|point| point[1] == 5.0));
+        }
+    }
+
+    /// A legend of long names stands over the half in which there is less.
+    #[test]
+    fn a_legend_stands_off_the_peak() {
+        for (peak, expected) in [(10.0, 0.68), (75.0, 0.32), (60.0, 0.32), (99.0, 0.68)] {
+            let points =
+                (0..=100).map(|k| (f64::from(k), if f64::from(k) == peak { 1.0 } else { 0.1 }));
+            let curve = Curve {
+                name: "along [µm]: 299.99 Hz (22.8)".into(),
+                color: GREY,
+                points: points.collect(),
+                marks: Vec::new(),
+                style: CurveStyle::Line,
+            };
+            let chart = Chart {
+                title: String::new(),
+                x_label: String::new(),
+                y_label: String::new(),
+                least_y: f64::NAN,
+                logarithmic: false,
+                curves: vec![curve],
+            };
+            let drawing = Drawing {
+                x: Axis::around([0.0, 100.0].into_iter(), 10),
+                y: Axis::around([0.0, 1.0].into_iter(), 5),
+                lines: Vec::new(),
+                texts: Vec::new(),
+                hangs: 0.0,
+            };
+            assert_eq!(chart.lower_side(&drawing), expected, "{peak}");
+        }
+    }
 }

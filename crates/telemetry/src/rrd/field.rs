@@ -5,8 +5,9 @@ use nalgebra::Vector3;
 use re_chunk::TimeColumn;
 use re_sdk_types::archetypes::{Mesh3D, Points3D, Transform3D};
 use re_sdk_types::components::{Color, Radius};
-use truecut_recording::Field;
+use truecut_recording::{Field, short_number, significant};
 
+use super::camera::NARROW;
 use super::shapes::{quaternion, translation};
 use crate::display::shown_unit;
 
@@ -15,7 +16,18 @@ pub(super) const SCALE: &str = "scale";
 pub(super) const END: &str = "end";
 /// Where the bar of colours begins and ends beside a field, in the field's longer side.
 const BAR_GAP: f64 = 0.03;
-pub(super) const BAR: f64 = 0.07;
+const BAR: f64 = 0.07;
+/// How wide half a number beside the bar is, in parts of the height of its view. The viewer hangs a
+/// label below its point, its middle there.
+const HALF_NUMBER: f64 = 0.085;
+/// Where the texts above and below a field are, in its longer side.
+const ABOVE: f64 = 1.1;
+/// As [`ABOVE`].
+const BELOW: f64 = -0.06;
+/// How tall a view is that shows them, too, in the field's longer side.
+pub(super) const WITH_TEXTS: f64 = 1.3;
+/// A value larger than the full scale by more than rounding.
+const BEYOND: f64 = 1.001;
 /// Depths below this are shown in µm, m.
 const SMALL_M: f64 = 1e-4;
 
@@ -83,15 +95,20 @@ pub(super) fn begin(stream: &Store, entity: &str, field: &Field) -> Logged<()> {
         quaternion(&field.world_from_field),
     );
     stream.log_static(entity, &pose)?;
-    scale(stream, &format!("{entity}/{SCALE}"), field)
+    scale(stream, &format!("{entity}/{SCALE}"), field)?;
+    numbers(stream, &format!("{entity}/{SCALE}"), field, None)
 }
 
-/// Logs how it is left.
+/// Logs how it is left, with its largest value: that may lie beyond the colours, whose scale was
+/// laid down beforehand.
 pub(super) fn end(stream: &Store, entity: &str, field: &Field, values: &[f32]) -> Logged<()> {
     let colours = values.iter();
     let colours = colours.map(|value| colour(f64::from(*value) / field.full_scale));
     let mesh = grid(field).with_vertex_colors(colours);
-    stream.log_static(format!("{entity}/{END}"), &mesh)
+    stream.log_static(format!("{entity}/{END}"), &mesh)?;
+    let finite = values.iter().filter(|value| value.is_finite());
+    let largest = finite.map(|value| f64::from(*value)).reduce(f64::max);
+    numbers(stream, &format!("{entity}/{SCALE}"), field, largest)
 }
 
 fn grid(field: &Field) -> Mesh3D {
@@ -110,18 +127,34 @@ fn grid(field: &Field) -> Mesh3D {
         .with_vertex_normals(normals)
 }
 
-/// A bar of colours beside the longer side, in the field's frame, with its numbers.
+/// Half the width of a number beside the bar, m.
+fn half_number_m(field: &Field) -> f64 {
+    let [length, width] = field.size_m;
+    let (long, short) = (length.max(width), length.min(width));
+    HALF_NUMBER * long.max((short + BAR * long) / NARROW)
+}
+
+/// How much room the bar and its numbers need beside a field, m.
+pub(super) fn beside_m(field: &Field) -> f64 {
+    BAR * field.size_m[0].max(field.size_m[1]) + 2.1 * half_number_m(field)
+}
+
+/// A place in a field's frame: along its longer side, in parts of it, and across.
+fn along_longer(field: &Field, share: f64, side_m: f64) -> [f32; 3] {
+    let [length, width] = field.size_m;
+    let (along, across) = ((share * length.max(width)) as f32, side_m as f32);
+    match length >= width {
+        true => [along, across, 0.0],
+        false => [across, along, 0.0],
+    }
+}
+
+/// A bar of colours beside the longer side.
 fn scale(stream: &Store, entity: &str, field: &Field) -> Logged<()> {
     let [length, width] = field.size_m;
     let (long, short) = (length.max(width), length.min(width));
     let (near, far) = (short + BAR_GAP * long, short + BAR * long);
-    let place = |share: f64, side: f64| {
-        let (along, across) = ((share * long) as f32, side as f32);
-        match length >= width {
-            true => [along, across, 0.0],
-            false => [across, along, 0.0],
-        }
-    };
+    let place = |share: f64, side: f64| along_longer(field, share, side);
     let shares = (0..COLOURS.len()).map(|i| i as f64 / (COLOURS.len() - 1) as f64);
     let corners = shares
         .clone()
@@ -136,15 +169,38 @@ fn scale(stream: &Store, entity: &str, field: &Field) -> Logged<()> {
     let bar = Mesh3D::new(corners)
         .with_triangle_indices(triangles)
         .with_vertex_colors(colours);
-    stream.log_static(format!("{entity}/bar"), &bar)?;
+    stream.log_static(format!("{entity}/bar"), &bar)
+}
+
+/// The numbers of the bar; above the field its size, below it the largest value at the end.
+fn numbers(stream: &Store, entity: &str, field: &Field, largest: Option<f64>) -> Logged<()> {
+    let [length, width] = field.size_m;
+    let (long, short) = (length.max(width), length.min(width));
+    let beside = short + BAR * long + half_number_m(field);
     let unit = shown_unit(field.unit, field.full_scale < SMALL_M);
-    let labels = [0.0, 0.5, 1.0].map(|share| unit.show(share * field.full_scale));
-    let texts = Points3D::new([0.0, 0.5, 1.0].map(|share| place(share, far)))
-        .with_labels(labels)
+    let shown = |value: f64| format!("{} {}", significant(unit.from_si(value), 3), unit.symbol);
+    let mut texts = vec![
+        (0.0, beside, shown(0.0)),
+        (0.5, beside, shown(0.5 * field.full_scale)),
+    ];
+    let mm = |side_m: f64| short_number(1e3 * side_m);
+    let size = format!("{} × {} mm", mm(long), mm(short));
+    texts.push((ABOVE, 0.5 * short, size));
+    let is_beyond = largest.is_some_and(|largest| largest > BEYOND * field.full_scale);
+    let end = if is_beyond { "≥ " } else { "" };
+    texts.push((1.0, beside, format!("{end}{}", shown(field.full_scale))));
+    if let Some(largest) = largest {
+        let text = format!("at the end, up to {}", shown(largest));
+        texts.push((BELOW, 0.5 * short, text));
+    }
+    let places = texts.iter();
+    let places = places.map(|(share, side, _)| along_longer(field, *share, *side));
+    let labels = Points3D::new(places)
+        .with_labels(texts.iter().map(|(.., text)| text.as_str()))
         .with_colors([Color::from_rgb(235, 235, 235)])
-        .with_radii([Radius::new_ui_points(1.5)])
+        .with_radii([Radius::new_ui_points(0.0)])
         .with_show_labels(true);
-    stream.log_static(format!("{entity}/numbers"), &texts)
+    stream.log_static(format!("{entity}/numbers"), &labels)
 }
 
 /// Logs the colours of one time.

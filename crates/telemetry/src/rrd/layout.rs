@@ -2,9 +2,7 @@
 
 use super::store::{Logged, Store};
 use re_sdk_types::AsComponents;
-use re_sdk_types::blueprint::archetypes::{
-    Background, EyeControls3D, PlotLegend, ScalarAxis, VisualBounds2D,
-};
+use re_sdk_types::blueprint::archetypes::{Background, EyeControls3D, PlotLegend, VisualBounds2D};
 use re_sdk_types::blueprint::components as kinds;
 use re_sdk_types::components::Color;
 use truecut_recording::{Camera, Field, Header, Scene};
@@ -12,6 +10,7 @@ use truecut_recording::{Camera, Field, Header, Scene};
 use super::blueprint::{Layout, Part};
 use super::chart::DOWN;
 use super::field::{END, SCALE};
+use super::outline::{self, Plot};
 use super::results::{ABOUT, Drawn, SCENARIO};
 use super::seen::Seen;
 use super::series::FOOT_STATE;
@@ -23,6 +22,8 @@ use crate::display::{Group, Place};
 pub(super) struct AtEnd<'a> {
     pub(super) charts: &'a [Drawn],
     pub(super) seen: &'a Seen,
+    /// First and last time, s.
+    pub(super) time_s: [f64; 2],
 }
 
 /// Makes a layout and sends it: while the run is under way with what is in front, at the end with
@@ -40,11 +41,10 @@ pub(super) fn send(
 ) -> Logged<()> {
     let layout = Layout::new(super::application(&header.scenario_name))?;
     let left = left_side(&layout, header, at_end.is_some())?;
-    let seen = at_end.map(|end| end.seen);
     let plots = |wanted: fn(Place) -> bool| {
         let chosen = groups.iter().filter(|group| wanted(group.place));
         chosen
-            .map(|group| curves(&layout, group, seen))
+            .map(|group| curves(&layout, group, at_end))
             .collect::<Logged<Vec<_>>>()
     };
     let mut front = plots(|place| place != Place::Behind)?.into_iter();
@@ -60,9 +60,14 @@ pub(super) fn send(
     if has_foot {
         let title = "Foot: sticks (green), slides (red), lifted off (grey)";
         let query = ["$origin/**".to_owned()];
+        let axis = at_end.and_then(|end| outline::time_axis(end.time_s));
+        let axis = axis
+            .iter()
+            .map(|axis| ("TimeAxis", axis as &dyn AsComponents));
+        let axis: Vec<_> = axis.collect();
         right.push((
             1.2,
-            layout.view("StateTimeline", title, FOOT_STATE, &query, &[])?,
+            layout.view("StateTimeline", title, FOOT_STATE, &query, &axis)?,
         ));
     }
     if let Some(end) = at_end {
@@ -93,19 +98,40 @@ fn left_side(layout: &Layout, header: &Header, at_end: bool) -> Logged<Part> {
     layout.stacked(vec![(5.0, scene), (3.0, texts)])
 }
 
-fn curves(layout: &Layout, group: &Group, seen: Option<&Seen>) -> Logged<Part> {
+/// A plot. At the end it is told how far its axes go: the viewer may open it while rows still load,
+/// and it would keep the part that it had then.
+fn curves(layout: &Layout, group: &Group, at_end: Option<&AtEnd<'_>>) -> Logged<Part> {
     let query = ["$origin".to_owned()];
-    let legend = PlotLegend::new().with_corner(kinds::Corner2D::LeftTop);
     // Every property is a message of its own; what is in a tab makes do without.
-    let mut properties: Vec<(&str, &dyn AsComponents)> = Vec::new();
-    if group.place != Place::Behind {
-        properties.push(("PlotLegend", &legend));
+    if group.place == Place::Behind {
+        return layout.view("TimeSeries", &group.title, &group.entity, &query, &[]);
     }
-    let axis = seen.and_then(|seen| least_axis(group, seen));
-    properties.extend(
-        axis.as_ref()
-            .map(|axis| ("ScalarAxis", axis as &dyn AsComponents)),
-    );
+    let mut corner = kinds::Corner2D::LeftTop;
+    let mut axes: Vec<(&str, Box<dyn AsComponents>)> = Vec::new();
+    if let (Some(end), Some(first)) = (at_end, group.series.first()) {
+        if let Some(axis) = outline::time_axis(end.time_s) {
+            axes.push(("TimeAxis", Box::new(axis)));
+        }
+        let series = group.series.iter();
+        let plot = Plot(
+            series
+                .map(|series| (end.seen.outline(series.channel), series.unit.from_si(1.0)))
+                .collect(),
+        );
+        if let Some(range) = plot.range(first.unit.from_si(group.least)) {
+            let names: Vec<&str> = group.series.iter().map(|s| s.legend.as_str()).collect();
+            corner = plot.corner(&names, end.time_s, range);
+            axes.push(("ScalarAxis", Box::new(outline::value_axis(range))));
+        }
+    }
+    axes.push((
+        "PlotLegend",
+        Box::new(PlotLegend::new().with_corner(corner)),
+    ));
+    let properties: Vec<(&str, &dyn AsComponents)> = axes
+        .iter()
+        .map(|(name, axis)| (*name, axis.as_ref()))
+        .collect();
     layout.view(
         "TimeSeries",
         &group.title,
@@ -113,16 +139,6 @@ fn curves(layout: &Layout, group: &Group, seen: Option<&Seen>) -> Logged<Part> {
         &query,
         &properties,
     )
-}
-
-/// An axis of the least size that means something, if the curves would not fill it.
-fn least_axis(group: &Group, seen: &Seen) -> Option<ScalarAxis> {
-    let sizes = (group.series.iter()).map(|series| seen.largest(series.channel));
-    let largest = sizes.fold(0.0, f64::max);
-    let unit = &group.series.first()?.unit;
-    let end = unit.from_si(group.least);
-    let range = re_sdk_types::datatypes::Range1D([-end, end]);
-    (largest < group.least).then(|| ScalarAxis::new().with_range(range))
 }
 
 pub(super) fn chart_view(layout: &Layout, chart: &Drawn) -> Logged<Part> {
@@ -143,6 +159,7 @@ pub(super) fn chart_view(layout: &Layout, chart: &Drawn) -> Logged<Part> {
 
 /// The whole arm, and beside it the tool from near by.
 pub(super) fn scene_views(layout: &Layout, scene: &Scene, at_end: bool) -> Logged<Part> {
+    let aspect = camera::aspect(2 + scene.fields.len());
     let exaggerated = scene
         .bodies
         .iter()
@@ -158,9 +175,9 @@ pub(super) fn scene_views(layout: &Layout, scene: &Scene, at_end: bool) -> Logge
         layout,
         scene,
         &title,
-        scene.camera.unwrap_or_else(|| camera::whole(scene)),
+        scene.camera.unwrap_or_else(|| camera::whole(scene, aspect)),
     )?;
-    let Some(near) = camera::near_tool(scene) else {
+    let Some(near) = camera::near_tool(scene, aspect) else {
         return Ok(arm);
     };
     let title = if enlarged {
@@ -192,10 +209,7 @@ fn field_view(layout: &Layout, field: &Field, at_end: bool) -> Logged<Part> {
     let (camera, up) = camera::above(field);
     let (name, path) = (field.path.replace('_', " "), &field.path);
     let (title, shown) = match at_end {
-        true => (
-            format!("{name} at the end"),
-            format!("$origin/{path}/{END}/**"),
-        ),
+        true => (name, format!("$origin/{path}/{END}/**")),
         false => (name, format!("$origin/{path}")),
     };
     let queries = [shown, format!("$origin/{path}/{SCALE}/**")];

@@ -7,6 +7,7 @@ mod chart;
 mod charts;
 mod field;
 mod layout;
+mod outline;
 mod part;
 mod plan;
 mod results;
@@ -31,7 +32,7 @@ use truecut_recording::{Chunk, ClaimResult, Header, Recording, Sink, SinkError};
 use crate::display::{Group, groups};
 use crate::error::failed;
 pub use before_after::{BeforeAfter, ChannelBeforeAfter, write_before_after};
-pub use chart::{Chart, Curve};
+pub use chart::{Chart, Curve, CurveStyle};
 pub use charts::{ChartPage, write_charts};
 use layout::AtEnd;
 pub use part::{FaceShown, PartShown, write_part};
@@ -153,13 +154,18 @@ impl OpenRecording {
         log_text(stream, results::ABOUT, results::about(recording))?;
         let times_s = &recording.time_s;
         let mut charts = results::log_spectra(stream, &self.groups, times_s, &self.seen)?;
-        // After the first spectrum, that of the tool.
+        // After the first spectrum, that of the tool, if there is a line in it.
         let profiles = results::log_profiles(stream, &recording.profiles, &recording.scalars)?;
-        let after_first = charts.len().min(1);
+        let after_first = charts
+            .iter()
+            .take(1)
+            .filter(|chart| !chart.says_little)
+            .count();
         charts.splice(after_first..after_first, profiles);
         let at_end = AtEnd {
             charts: &charts,
             seen: &self.seen,
+            time_s: [times_s.first(), times_s.last()].map(|t| t.copied().unwrap_or_default()),
         };
         layout::send(
             stream,

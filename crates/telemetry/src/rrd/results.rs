@@ -4,7 +4,7 @@ use super::store::{Logged, Store};
 use truecut_recording::spectrum::{Line, Spectrum, amplitude_spectrum_up_to};
 use truecut_recording::{Profile, Recording, Scalar, Unit, UserUnit, significant};
 
-use super::chart::{Chart, Curve};
+use super::chart::{Chart, Curve, CurveStyle};
 use super::seen::Seen;
 use super::verdict::one_cell;
 use crate::display::{Group, Place, Series, shown_unit};
@@ -42,6 +42,8 @@ pub(super) struct Drawn {
     pub(super) title: String,
     /// What its view must show across.
     pub(super) across: [f64; 2],
+    /// A spectrum without a line: nothing to open on.
+    pub(super) says_little: bool,
 }
 
 impl Drawn {
@@ -52,6 +54,7 @@ impl Drawn {
             entity,
             across: chart.across(),
             title: chart.title,
+            says_little: false,
         })
     }
 }
@@ -83,6 +86,7 @@ pub(super) fn log_spectra(
             continue;
         }
         keep_highest_mark(&mut curves);
+        let has_lines = curves.iter().any(|curve| !curve.marks.is_empty());
         let entity = format!("{SPECTRA}/{}", drawn.len());
         let name = group
             .title
@@ -96,9 +100,13 @@ pub(super) fn log_spectra(
             x_label: "frequency [Hz]".to_owned(),
             y_label: format!("{name}: amplitude [{unit}]"),
             least_y: group.series[0].unit.from_si(LEAST_SHARE * group.least),
+            logarithmic: false,
             curves,
         };
-        drawn.push(Drawn::of(chart, stream, entity)?);
+        drawn.push(Drawn {
+            says_little: !has_lines,
+            ..Drawn::of(chart, stream, entity)?
+        });
     }
     Ok(drawn)
 }
@@ -167,7 +175,7 @@ fn spectrum_curve(series: &Series, spectrum: &Spectrum, least: f64, range_hz: f6
                 .collect(),
         ),
         marks: marks.collect(),
-        dots: false,
+        style: CurveStyle::Line,
     }
 }
 
@@ -202,6 +210,7 @@ pub(super) fn log_profiles(
             y_label: format!("{title}: {}", profile.description),
             title,
             least_y: f64::NAN,
+            logarithmic: false,
             curves: vec![Curve {
                 name: spread(profile, &y_unit),
                 color: [242, 142, 43],
@@ -209,7 +218,7 @@ pub(super) fn log_profiles(
                 marks: chatter_mark(profile, scalars, &y_unit)
                     .into_iter()
                     .collect(),
-                dots: false,
+                style: CurveStyle::Line,
             }],
         };
         let entity = format!("{PROFILES}/{index}");

@@ -2,11 +2,13 @@
 
 use truecut_recording::{Chunk, Header};
 
+use super::outline::Outline;
+
 use crate::display::{Group, Place};
 
-/// Of all channels the largest size, of those with a spectrum all values.
+/// Of all channels the outline, of those with a spectrum all values.
 pub(super) struct Seen {
-    largest: Vec<f64>,
+    outlines: Vec<Outline>,
     /// A column for each channel, empty for those without a spectrum.
     columns: Vec<Vec<f64>>,
     has_spectrum: Vec<bool>,
@@ -24,7 +26,7 @@ impl Seen {
             has_spectrum[series.channel] = true;
         }
         Seen {
-            largest: vec![0.0; count],
+            outlines: vec![Outline::default(); count],
             columns: vec![Vec::new(); count],
             has_spectrum,
         }
@@ -32,17 +34,16 @@ impl Seen {
 
     pub(super) fn chunk(&mut self, chunk: &Chunk<'_>) {
         for (at, values) in chunk.columns.iter().enumerate() {
-            let sizes = values.iter().map(|value| value.abs());
-            self.largest[at] = sizes.fold(self.largest[at], f64::max);
+            self.outlines[at].extend(chunk.time_s, values);
             if self.has_spectrum[at] {
                 self.columns[at].extend_from_slice(values);
             }
         }
     }
 
-    /// The largest size of a channel; what is no number does not count.
-    pub(super) fn largest(&self, channel: usize) -> f64 {
-        self.largest[channel]
+    /// Where a channel goes.
+    pub(super) fn outline(&self, channel: usize) -> &Outline {
+        &self.outlines[channel]
     }
 
     /// All values of a channel with a spectrum.
