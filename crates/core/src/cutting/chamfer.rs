@@ -112,6 +112,15 @@ impl CuttingCoefficients {
             tangential_n: self.tangential_pa * area_m2 + self.edge_tangential_n_per_m * rubbing,
         }
     }
+
+    /// What an edge in the cut does without its chip, N.
+    pub(crate) fn edge_forces_n(&self, edge_length_m: f64) -> EdgeForces {
+        EdgeForces {
+            axial_n: self.edge_axial_n_per_m * edge_length_m,
+            radial_n: self.edge_radial_n_per_m * edge_length_m,
+            tangential_n: self.edge_tangential_n_per_m * edge_length_m,
+        }
+    }
 }
 
 /// Sizes of the force of one edge in its own directions, N.

@@ -3,7 +3,7 @@
 use super::cutter::Cutter;
 use super::profile::Lean;
 use super::sweep::on_tool_n;
-use crate::cutting::chamfer::CuttingCoefficients;
+use crate::cutting::chamfer::{CuttingCoefficients, EdgeForces};
 use nalgebra::Vector3;
 
 /// What the cut does to the tool.
@@ -39,6 +39,47 @@ pub(super) struct Slice {
     pub along_m_per_rad: f64,
 }
 
+impl Slice {
+    /// Of the chip, along the tooth's way; it is thinner along the normal by sin κ than across the
+    /// axis, and as much wider.
+    fn area_m2(&self) -> f64 {
+        self.chip_m * self.thick_m
+    }
+
+    /// Forces against the tooth's motion, inwards and along the axis, N.
+    fn sizes_n(&self, cutter: &Cutter, coefficients: &CuttingCoefficients) -> [f64; 3] {
+        let turned = |sizes: &EdgeForces, lean: Lean| {
+            [
+                sizes.tangential_n,
+                sizes.radial_n * lean.sin - sizes.axial_n * lean.cos,
+                sizes.radial_n * lean.cos + sizes.axial_n * lean.sin,
+            ]
+        };
+        let length_m = self.thick_m / self.lean.sin;
+        if self.lean == Lean::UPRIGHT {
+            return turned(&coefficients.forces_n(self.area_m2(), length_m), self.lean);
+        }
+        let chip = coefficients.forces_n(self.area_m2(), 0.0);
+        let edge = coefficients.edge_forces_n(length_m);
+        let chip = turned(&chip, self.chip_lean(cutter.corner_radius_m));
+        let edge = turned(&edge, self.lean);
+        std::array::from_fn(|k| chip[k] + edge[k])
+    }
+
+    /// How the edge stands whose normal runs through the middle of the chip. The chip is measured
+    /// across the axis, inwards from the edge, where normals of lower pieces run: by half of its
+    /// length over the corner's radius.
+    fn chip_lean(&self, corner_radius_m: f64) -> Lean {
+        let beside_m = (corner_radius_m * self.lean.sin - 0.5 * self.chip_m).max(0.0);
+        let below_m = corner_radius_m * self.lean.cos;
+        let off_m = beside_m.hypot(below_m);
+        Lean {
+            sin: beside_m / off_m,
+            cos: below_m / off_m,
+        }
+    }
+}
+
 impl MillingLoads {
     /// Adds a slice of the edge of a tool that moves by `rate_m_per_rad`.
     pub(super) fn add(
@@ -48,19 +89,10 @@ impl MillingLoads {
         slice: &Slice,
         rate_m_per_rad: &Vector3<f64>,
     ) {
-        // A chip along the normal is thinner by sin κ than across the axis, and as much wider.
-        let area = slice.chip_m * slice.thick_m;
-        let Lean {
-            sin: upright,
-            cos: level,
-        } = slice.lean;
-        let sizes = coefficients.forces_n(area, slice.thick_m / upright);
-        let mut force = on_tool_n(
-            slice.angle_rad,
-            sizes.tangential_n,
-            sizes.radial_n * upright - sizes.axial_n * level,
-            sizes.radial_n * level + sizes.axial_n * upright,
-        );
+        let area = slice.area_m2();
+        let upright = slice.lean.sin;
+        let [tangential_n, inward_n, along_axis_n] = slice.sizes_n(cutter, coefficients);
+        let mut force = on_tool_n(slice.angle_rad, tangential_n, inward_n, along_axis_n);
         let (sin, cos) = slice.angle_rad.sin_cos();
         let reach = slice.reach_m;
         if !cutter.flank.is_sharp() {

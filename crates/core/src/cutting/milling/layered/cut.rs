@@ -314,7 +314,7 @@ impl LayeredCut {
         if self.stock.block.outside_m(&tip_m) > most_m {
             return 0.0;
         }
-        let by_heights = piece.lean.is_shallow();
+        let by_heights = piece.lean.is_shallow() || self.dives(layer, at.place_m.z);
         let aside_m = ray.outward * self.to_middle_m(layer, piece, at.place_m.z);
         let beyond_m = |place_m: Vector2<f64>| self.stock.beyond_m(layer, &(place_m + aside_m));
         if !by_heights && beyond_m(tip_m) < -most_m - self.stock.grid_m() {

@@ -15,9 +15,17 @@ use std::f64::consts::FRAC_PI_2;
 const LONGEST_PIECE: f64 = 1.0 / 24.0;
 
 impl LayeredCut {
-    /// Whether ends cut at a state.
+    /// Whether ends cut at a state: of a tool that is led down, or that swings into the floor.
     pub(super) fn ends_cut(&self, at: &ToolPlace) -> bool {
-        self.cutter.centre_cutting && at.sinks
+        let lowest = self.engaged(at.place_m.z).next();
+        let dives = lowest.is_some_and(|(layer, _)| self.dives(layer, at.place_m.z));
+        self.cutter.centre_cutting && at.sinks || dives
+    }
+
+    /// Whether a flat end has come into a layer without cutting all of it, by more than hollow
+    /// ground ends stand clear: what it took there earlier only the heights of the floor know.
+    pub(super) fn dives(&self, layer: usize, tip_m: f64) -> bool {
+        self.cutter.is_flat() && layer < self.stock().cut_by(tip_m).start
     }
 
     /// Adds the forces of the ends; tells which teeth cut with theirs.

@@ -244,3 +244,36 @@ fn ends_do_not_cut_on_a_level_path() {
     });
     assert_eq!(plain, other);
 }
+
+/// A tool on a level path whose arm swings it into the floor again and again, by more than what
+/// still counts as its level: of what lies below the level each place becomes a chip once.
+#[test]
+fn verify_chips_of_a_tool_that_dives_into_the_floor_are_what_it_takes() {
+    for seed in 70..73 {
+        let mut draw = draws(seed);
+        let (r_m, depth_m, grid_m) = (draw(4e-3, 6e-3), draw(0.4e-3, 2e-3), draw(0.1e-3, 0.2e-3));
+        let (dive_m, revolutions) = (draw(0.15e-3, 0.4e-3), draw(2.5, 6.0));
+        let way = legs(&[[-7.0, 20.0], [12.0, 20.0]], -depth_m * 1e3);
+        let meant = meant(&way, &[], r_m, grid_m);
+        let mut cut = cut_of(Cutter::straight(r_m, 2), &meant, way[0].from_m);
+        let whole_m3 = cut.stock().volume_m3();
+        let off = |rotation: f64| {
+            let down = (rotation / TAU / revolutions).fract() > 0.5;
+            Vector3::new(0.0, 0.0, if down { -dive_m } else { 0.0 })
+        };
+        let mut chips_m3 = 0.0;
+        lead(&mut cut, &way, 0.1e-3, off, |cut, at, _| {
+            chips_m3 += cut.evaluate(at).removal_m3_per_rad * TAU / STEPS as f64;
+        });
+        let stock = cut.stock();
+        let size = stock.block.most_m - stock.block.least_m;
+        let cells = stock.nodes().map(|count| (count - 1) as f64);
+        let cell_m2 = size.x / cells[0] * size.y / cells[1];
+        let below = cut.floor_m().iter().map(|z| (-depth_m - z).max(0.0));
+        let dived_m3 = below.sum::<f64>() * cell_m2;
+        let taken_m3 = whole_m3 - stock.volume_m3() + dived_m3;
+        assert!(dived_m3 > 0.05 * taken_m3, "{seed}: it does not dive");
+        let off = chips_m3 / taken_m3 - 1.0;
+        assert!(off.abs() < 0.015, "{seed}: {off}");
+    }
+}
