@@ -289,7 +289,8 @@ fn rgb([r, g, b]: [u8; 3]) -> Color {
 mod tests {
     use super::*;
 
-    /// Nine of every fifteen units of a line are drawn, in pieces that all lie on it, however it is divided.
+    /// Nine of every fifteen units of a line are drawn, in pieces that all lie on it, however it is
+    /// divided.
     #[test]
     fn a_broken_line_is_drawn_in_dashes_of_one_length() {
         for pieces in [1_u8, 7, 250] {
