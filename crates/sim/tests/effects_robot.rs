@@ -33,8 +33,8 @@ fn verify_payload_sag() {
 }
 
 /// A link that is heavier than the controller knows moves as a heavier link does, to the bit where
-/// nothing sags. Under gravity it sags by what it is too heavy over the stiffness, since the command
-/// holds the arm that is known.
+/// nothing sags. Under gravity it sags by what it is too heavy over the stiffness, since the
+/// command holds the arm that is known.
 #[test]
 fn verify_link_mass_is_that_of_a_heavier_link() {
     let (factor, last) = (1.15, 2);

@@ -58,7 +58,7 @@ pub(crate) fn alter(nominal: &Robot, effects: &Effects) -> Result<Altered, SimEr
 }
 
 /// Builds the arm as it stands: its payload, links as heavy as they are with their centres and
-/// rotors, and where the zeros of their joints leave them. Coordinates stay those that are reported.
+/// rotors, and where the zeros of their joints leave them. Coordinates stay those reported.
 pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimError> {
     for (joint, effect) in robot.chain.joints.iter_mut().zip(&effects.joints) {
         if effect.zero != 0.0 {
