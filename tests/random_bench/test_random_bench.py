@@ -22,7 +22,8 @@ from drawn.case import draw_case  # noqa: E402
 from drawn.experiment import MODES, Forward, Inverse, Load  # noqa: E402
 from drawn.judge import interval, summary  # noqa: E402
 from drawn.laws import IN_INVERSE, Foreign, against, sized  # noqa: E402
-from drawn.library import resized  # noqa: E402
+from bench.joint_law import JointLaw  # noqa: E402
+from drawn.library import is_possible, resized, stiffening  # noqa: E402
 from drawn.moving import Moving  # noqa: E402
 from drawn.noise import COLOURS, draw_noise  # noqa: E402
 from drawn.oracle import DECISIVE, Oracle  # noqa: E402
@@ -312,3 +313,22 @@ def test_a_few_sets_from_end_to_end(tmp_path):
     figures = summary(json.loads(json.dumps(found)))
     assert figures["sets"] == 4
     assert figures["frictions"][1] >= 2
+
+
+def test_verify_stiffening_is_the_slope_of_the_law(tmp_path):
+    """Largest slope of what a transmission passes on, over the nominal one, within the nominal run's wind-up."""
+    experiment = Forward(np.random.default_rng([SEED, 7]), tmp_path, joints=1)
+    experiment.fast = True
+    experiment.signals_kept = experiment.signals()
+    stiffness, most = float(experiment.arm.stiffness[0]), experiment.signals_kept[0]["most_windup"]
+    cubic = sized("joint_cubic_stiffness", 1, [2.0 * stiffness / most**2])
+    loop = sized("joint_hysteresis", 1, [3.0 * stiffness * most], (0.5 * most,))
+    for effect in (cubic, loop):
+        law = JointLaw.of(stiffness, 0.0, [effect])
+        law.start(-most)
+        torque = np.array([law.transmission(w, 0.0) for w in np.linspace(-most, most, 4001)])
+        slope = np.diff(torque).max() / (2.0 * most / 4000) / stiffness
+        assert stiffening(effect, experiment) == pytest.approx(slope, rel=2e-3)
+        assert is_possible(effect, experiment)
+        factor = 9.5 / (stiffening(effect, experiment) - 1.0)
+        assert not is_possible(resized(experiment, effect, factor), experiment)

@@ -17,6 +17,8 @@ from .noise import COLOURS, Noise, draw_noise
 FAMILIES = ("clean", "strong", "middle", "pair", "outside", "all joints")
 LEVELS = {"strong": (6.0, 14.0), "middle": (1.5, 3.0), "pair": (4.0, 12.0), "outside": (4.0, 12.0)}
 MOST_ATTEMPTS = 30
+# by so much of it, the level at the steps of the data may be off the one that was drawn
+LEVEL_ACCURACY = 0.2
 # of the spread of the channel of its unit that moves most
 LEAST_PART = 1e-3
 
@@ -72,6 +74,7 @@ def _draw(draw: np.random.Generator, seed: int, mode: str, family: str, folder: 
     case.shifts = tuple(float(x) for x in np.clip(draw.standard_normal(experiment.shifts), -1.5, 1.5))
     case.truth = _draw_truth(draw, case, nominal, only)
     experiment.fast = False
+    _check_levels(case)
     case.clean = experiment.predict(case.truth, case.shifts)
     if not np.isfinite(case.clean).all():
         raise Unfit("the run diverged")
@@ -139,7 +142,7 @@ def _at_level(draw: np.random.Generator, case: Case, effect, nominal: np.ndarray
     """The effect, as large as its family wants it beside the noise."""
     level = float(draw.uniform(*LEVELS[case.family]))
     for _ in range(3):
-        if not is_possible(effect):
+        if not is_possible(effect, case.experiment):
             raise Unfit(f"{effect.name} would have to be too large")
         ratio = level_of(case, effect, nominal)
         if not 0.0 < ratio < np.inf:
@@ -147,10 +150,21 @@ def _at_level(draw: np.random.Generator, case: Case, effect, nominal: np.ndarray
         if abs(ratio / level - 1.0) < 0.05:
             break
         effect = resized(case.experiment, effect, float(np.clip(level / ratio, 0.02, 50.0)))
-    if not is_possible(effect):
+    if not is_possible(effect, case.experiment):
         raise Unfit(f"{effect.name} would have to be too large")
     case.levels.append(level_of(case, effect, nominal))
     return effect
+
+
+def _check_levels(case: Case) -> None:
+    """Refuses what the coarser steps let seem larger or smaller than it is in the data: a spring too stiff for them, say."""
+    if case.mode == "inverse":
+        # nothing is stepped there
+        return
+    nominal = case.experiment.predict()
+    for effect, level in zip(case.truth, case.levels):
+        if abs(level_of(case, effect, nominal) / level - 1.0) > LEVEL_ACCURACY:
+            raise Unfit(f"{effect.name} is not as large in the data as coarse steps say")
 
 
 def level_of(case: Case, effect, nominal: np.ndarray) -> float:

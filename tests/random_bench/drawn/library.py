@@ -146,14 +146,31 @@ def resized(experiment: Experiment, effect, factor: float):
     )
 
 
-def is_possible(effect) -> bool:
+def is_possible(effect, experiment: Experiment) -> bool:
     """Whether a size is one that a machine can have."""
     v = getattr(effect, "values", {})
     if "factor" in v:
         return 0.3 < v["factor"] < 10.0
     if abs(v.get("angle_rad", v.get("offset_rad", 0.0))) > 0.3:
         return False
+    if stiffening(effect, experiment) >= 10.0:
+        return False
     return v.get("share", 0.0) < 0.5 and abs(v.get("delay_s", 0.0)) < 0.05
+
+
+def stiffening(effect, experiment: Experiment) -> float:
+    """What an effect that is no factor makes of a transmission's stiffness, as a factor, at its largest wind-up.
+
+    Of a loop where it starts from rest, of a cubic spring where it is wound up most.
+    """
+    kind, v = effect.kind, getattr(effect, "values", {})
+    if kind not in ("joint_hysteresis", "joint_cubic_stiffness"):
+        return 1.0
+    i = effect.target - 1
+    stiffness = float(experiment.arm.stiffness[i])
+    if kind == "joint_hysteresis":
+        return 1.0 + v["amplitude_n_m"] / v["yield_windup_rad"] / stiffness
+    return 1.0 + 3.0 * v["cubic_n_m_per_rad3"] * experiment.signals_kept[i]["most_windup"] ** 2 / stiffness
 
 
 def draw_foreign(draw: np.random.Generator, experiment: Experiment, only: str | None = None) -> Foreign:

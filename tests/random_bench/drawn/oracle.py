@@ -195,9 +195,12 @@ class Oracle:
         effect = sized("payload", None, [mass * float(amount[0])], centre)
         return Rival((effect,), self.loss(float(left @ left), 4)), centre
 
-    def refined(self, rival: Rival) -> Rival:
-        """The same kind of effect, its sizes and shapes fitted by runs of its own."""
-        (effect,) = rival.effects
+    def refined(self, rival: Rival, basis: np.ndarray | None = None) -> Rival:
+        """The same kind of effect, its sizes and shapes fitted by runs of its own.
+
+        Those before it are as they truly are, and move along the basis.
+        """
+        *kept, effect = rival.effects
         scale = np.array(scales(self.experiment, effect.kind, effect.target))
         names = KINDS[effect.kind][1]
         numbers = np.array([*effect.sizes.values(), *(effect.values[name] for name in names)])
@@ -206,21 +209,24 @@ class Oracle:
         def made(x: np.ndarray):
             values = [float(v) for v in x]
             one = sized(effect.kind, effect.target, values[: scale.size], tuple(values[scale.size :]))
-            if not is_possible(one):
+            if not is_possible(one, self.experiment):
                 raise ValueError(one)
             return one
 
+        def left(x: np.ndarray) -> np.ndarray:
+            return without(self.start - self.change((*kept, made(x))), basis)
+
         try:
-            now = self.start - self.change((made(numbers),))
+            now = left(numbers)
             for _ in range(ROUNDS):
                 slopes = []
                 for k, step in enumerate(steps):
                     beside = numbers.copy()
                     beside[k] += step
-                    slopes.append((self.start - now - self.change((made(beside),))) / -step)
+                    slopes.append((left(beside) - now) / -step)
                 move = np.linalg.lstsq(np.stack(slopes, axis=1) * steps, now, rcond=None)[0] * steps
                 for part in (1.0, 0.4, 0.1):
-                    after = self.start - self.change((made(numbers + part * move),))
+                    after = left(numbers + part * move)
                     if after @ after < now @ now:
                         numbers, gain, now = numbers + part * move, now @ now - after @ after, after
                         break
@@ -228,7 +234,8 @@ class Oracle:
                     break
                 if gain < 0.1:
                     break
-            return Rival((made(numbers),), self.loss(float(now @ now), numbers.size))
+            count = numbers.size + (0 if basis is None else basis.shape[1])
+            return Rival((*kept, made(numbers)), self.loss(float(now @ now), count))
         except (RuntimeError, ValueError, FloatingPointError, OverflowError):
             return rival
 
@@ -266,7 +273,9 @@ class Oracle:
         extra = len(names) * math.log(self.rows)
         found = [Rival(kept, self.loss(float(left @ left), len(names)))]
         fits = [self.fit(kind, target, left, basis) for kind, target in others]
-        return found + [Rival((*kept, *fit[0].effects), fit[0].loss + extra) for fit in fits if fit is not None]
+        both = [Rival((*kept, *fit[0].effects), fit[0].loss + extra) for fit in fits if fit is not None]
+        both.sort(key=lambda rival: rival.loss)
+        return found + [self.refined(rival, basis) for rival in both[:REFINED]] + both[REFINED:]
 
 
 def without(values: np.ndarray, basis: np.ndarray | None) -> np.ndarray:

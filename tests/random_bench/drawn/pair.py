@@ -74,7 +74,7 @@ def _draw(draw, seed: int, mode: str, family: str, folder: Path, repeats: bool |
     change, grown = _draw_change(draw, case, nominal, family, common)
     gone = bool(change) and not grown and draw.random() < 0.3
     after = common if not change else _with(common, change[0])
-    if not all(isinstance(e, Foreign) or is_possible(e) for e in after):
+    if not all(isinstance(e, Foreign) or is_possible(e, first) for e in after):
         raise Unfit("too large with what is there")
     second = again(draw, first, repeats)
     sides = [(first, after if gone else common), (second, common if gone else after)]

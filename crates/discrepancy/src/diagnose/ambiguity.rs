@@ -46,7 +46,7 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
         .filter(|r| r.point.effects.len() == chosen.point.effects.len())
         .chain(&outcome.united);
     let mut rivals: Vec<Rival> = others
-        .filter(|r| kinds(&r.point) != kinds(&chosen.point))
+        .filter(|r| r.point.kinds() != chosen.point.kinds())
         .map(|rival| {
             let behind = compare(
                 &rival.residual,
@@ -84,7 +84,7 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
     // The best end of each, whatever lies between two of them.
     let mut seen: Vec<Vec<usize>> = Vec::new();
     rivals.retain(|rival| {
-        let own = kinds(&rival.fit.point);
+        let own = rival.fit.point.kinds();
         let is_new = !seen.contains(&own);
         if is_new {
             seen.push(own);
@@ -108,7 +108,7 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
 /// limit.
 fn generalises(problem: &Problem, first: &Point, second: &Point) -> bool {
     let alone = |of: &Point, other: &Point| -> Vec<usize> {
-        let (of, other) = (kinds(of), kinds(other));
+        let (of, other) = (of.kinds(), other.kinds());
         of.into_iter().filter(|k| !other.contains(k)).collect()
     };
     let (larger, smaller) = (alone(first, second), alone(second, first));
@@ -117,12 +117,6 @@ fn generalises(problem: &Problem, first: &Point, second: &Point) -> bool {
     };
     let (larger, smaller) = (&problem.candidates[*larger], &problem.candidates[*smaller]);
     larger.target == smaller.target && larger.kind.generalises(smaller.kind)
-}
-
-fn kinds(point: &Point) -> Vec<usize> {
-    let mut kinds = point.candidates();
-    kinds.sort_unstable();
-    kinds
 }
 
 /// Angle between what the two models, each with nominal parameters of its own, add to the model of
@@ -142,7 +136,7 @@ fn angle(problem: &Problem, outcome: &Outcome, rival: &Fit) -> f64 {
 /// Prediction of the model with the effects that the chosen one and its rival share, refitted.
 fn common(problem: &Problem, outcome: &Outcome, rival: &Fit) -> Columns {
     let mut shared = outcome.chosen.point.clone();
-    let others = kinds(&rival.point);
+    let others = rival.point.kinds();
     shared.effects.retain(|f| others.contains(&f.candidate));
     if shared.effects.is_empty() {
         return outcome.base.predicted.clone();

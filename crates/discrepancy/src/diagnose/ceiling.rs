@@ -10,15 +10,17 @@ mod waves;
 
 pub(super) use waves::wave_over;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use rayon::prelude::*;
 
-use self::folds::Folds;
+use self::folds::{Folds, features, ridge};
 use self::inputs::{exceeds_inputs, rounding};
 use super::answer::{Ceiling, Change, CorrelatedSignal};
 use super::features::{Group, delay_by_size, groups};
 use super::fit::Fit;
 use super::memory::{Freedom, channel_distance};
-use super::noise::{ChannelNoise, Moments, Prior, add_column, dot};
+use super::noise::{ChannelNoise, Moments, add_column, dot};
 use super::problem::Problem;
 use super::resonance::resonance;
 use super::signature::Signature;
@@ -35,6 +37,12 @@ pub(super) struct Bound {
     /// Residual less the prediction of all groups found, fitted to all rows; good on the
     /// development part.
     pub left: Columns,
+    /// Part of the residual's square that they foretell on blocks that they were not fitted to, of
+    /// each channel, as it is.
+    pub foretold: Vec<f64>,
+    /// Whether a signal foretells much of what is left of a channel on blocks that it was not
+    /// fitted to, though it may be slow noise.
+    pub is_hinted: bool,
     /// How many numbers made the groups found fit, of each channel.
     pub numbers: Vec<usize>,
     /// Root mean square of that on the test part; on the development part where a group was not
@@ -87,6 +95,8 @@ struct Target<'a> {
     /// Standard deviation of what the noise of measured inputs makes of the prediction.
     of_inputs: f64,
     folds: Folds,
+    /// Whether a signal foretells much that does not stand out of slow noise.
+    is_hinted: AtomicBool,
 }
 
 /// Groups fitted together, with the noise of what they leave.
@@ -111,6 +121,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
     let groups = groups(problem, &last.predicted);
     let mut left = residual.clone();
     let (mut floor, mut numbers) = (Vec::new(), vec![0; residual.len()]);
+    let (mut foretold, mut is_hinted) = (vec![0.0; residual.len()], false);
     let (mut gain, mut sums, mut total) = (0.0, Vec::new(), 0.0);
     let mut correlated_signals = Vec::new();
     let (mut changes, mut in_time) = (Vec::new(), vec![false; residual.len()]);
@@ -169,6 +180,8 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
             &problem.split.test
         };
         numbers[c] = trial.groups.iter().map(|group| group.numbers()).sum();
+        foretold[c] = target.foretold(&trial.groups);
+        is_hinted |= target.is_hinted.load(Ordering::Relaxed);
         left[c] = trial.left;
         floor.push(rms(&left, rows)[c]);
     }
@@ -183,6 +196,8 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
         ceiling,
         gain: gain.max(0.0),
         left,
+        foretold,
+        is_hinted,
         numbers,
         floor,
         changes,
@@ -202,6 +217,7 @@ impl<'a> Target<'a> {
             floor: problem.floor[c],
             of_inputs: problem.data.outputs[c].noise_of_inputs,
             folds: Folds::of_blocks(&problem.split.blocks, rows),
+            is_hinted: AtomicBool::new(false),
         }
     }
 
@@ -290,7 +306,12 @@ impl<'a> Target<'a> {
             };
             channel_distance(self.problem, self.rows, &now.left, &next.left, freedom)
         };
-        (clear && distance() > least.standing_out).then_some((next, signal))
+        let stands_out = clear && distance() > least.standing_out;
+        let by_signal = next.groups.last().is_some_and(|group| group.by_signal);
+        if clear && !stands_out && by_signal && order == 0 && signal.fraction > PREVAILS {
+            self.is_hinted.store(true, Ordering::Relaxed);
+        }
+        stands_out.then_some((next, signal))
     }
 
     /// Least squares under white noise, then twice under the noise of what is left: an
@@ -368,33 +389,4 @@ impl<'a> Target<'a> {
         }
         errors
     }
-}
-
-impl GroupTrial<'_> {
-    /// Schwarz's, with all numbers that make the groups fit: what a wave of one frequency does, a
-    /// signal seen through a filter of many numbers does nearly, too.
-    fn criterion(&self) -> f64 {
-        let n = self.errors.len() as f64;
-        let numbers: usize = self.groups.iter().map(|group| group.numbers()).sum();
-        n * self.innovation().max(f64::MIN_POSITIVE).ln() + numbers as f64 * n.ln()
-    }
-
-    /// Variance of what cannot be predicted, cross-validated.
-    fn innovation(&self) -> f64 {
-        self.noise.sigma.powi(2) * dot(&self.errors, &self.errors)
-    }
-}
-
-fn features<'a>(groups: &'a [&'a Group]) -> impl Iterator<Item = &'a Vec<f64>> {
-    groups.iter().flat_map(|g| &g.features)
-}
-
-/// A little shrinkage, so that bins with few samples do not matter. From the sum of squares of each
-/// column over `count` rows.
-fn ridge(squares: impl Iterator<Item = f64>, count: usize) -> Vec<Prior> {
-    let priors = squares.map(|sum| Prior {
-        offset: 0.0,
-        precision: (sum / count.max(1) as f64).sqrt(),
-    });
-    priors.collect()
 }

@@ -99,14 +99,15 @@ pub(super) fn conclude(
     let changing = changing::keep_large(problem, &before, &last, &mut bound);
     diagnosis.unexplained_fraction = unexplained(problem, &base, &last, &bound).max(changing);
     let floors = changing::holding(&problem.known, &bound);
-    let excess = excess(problem, &before, &last, &floors);
+    let excess = excess(problem, &before, &last, &bound, &floors);
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
     judge(problem, excess, &outcome, &mut diagnosis);
     tell_end(problem, &last, &mut diagnosis);
     held_out::tell(problem, &refuted, &mut diagnosis);
     test_part::open_test(problem, &base, &last, &bound.changes, &mut diagnosis);
-    let curve = unnamed::curve(problem, &outcome, [&base, &last], &diagnosis)?
+    let fits = [&base, &last];
+    let curve = unnamed::curve(problem, &outcome, fits, bound.is_hinted, &diagnosis)?
         .filter(|shown| !changing::is_better(problem, &bound, &last, &shown.fit));
     let (last, changes) = match curve {
         None => (last, bound.changes),

@@ -80,6 +80,13 @@ impl Point {
         self.effects.iter().map(|found| found.candidate).collect()
     }
 
+    /// The same, sorted.
+    pub fn kinds(&self) -> Vec<usize> {
+        let mut kinds = self.candidates();
+        kinds.sort_unstable();
+        kinds
+    }
+
     /// Whether it has the effect.
     pub fn holds(&self, candidate: usize) -> bool {
         (self.effects.iter()).any(|found| found.candidate == candidate)

@@ -24,6 +24,28 @@ const MOST_RESTARTED: usize = 3;
 const CLEARLY_BETTER: f64 = 10.0;
 
 impl Search<'_, '_> {
+    /// Adds effects as long as they earn their place, `most` in all, and takes those away that do
+    /// not any more.
+    pub(super) fn ascend(
+        &mut self,
+        outcome: &mut Outcome,
+        most: usize,
+    ) -> Result<(), DiagnoseError> {
+        while self.forward(outcome)? {
+            let reached = outcome.chosen.point.kinds();
+            self.backward(outcome)?;
+            if outcome.chosen.point.kinds() != reached {
+                // What led there would be found again, and again be taken away.
+                self.refused.push(reached);
+            }
+            if outcome.chosen.point.effects.len() >= most {
+                outcome.limited = self.finds_more(outcome)?;
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// Where something is left to be found: the effect added last from other sizes, if that
     /// explains clearly more. What is not linear, a phase or the moment of a slip, may have led its
     /// first fit to a lesser optimum.

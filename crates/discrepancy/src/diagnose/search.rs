@@ -73,6 +73,8 @@ pub(super) struct Search<'a, 'b> {
     pub(super) problem: &'a Problem<'b>,
     fits: Vec<FitRecord>,
     failed: bool,
+    /// Effects that were taken together and did not all earn their place, sorted.
+    pub(super) refused: Vec<Vec<usize>>,
 }
 
 /// Runs the search.
@@ -89,6 +91,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         problem,
         fits: Vec::new(),
         failed: false,
+        refused: Vec::new(),
     };
     let mut outcome = Outcome {
         chosen: base.clone(),
@@ -184,19 +187,6 @@ pub(super) fn settled(problem: &Problem, first: Fit) -> Result<(Fit, Vec<usize>)
 }
 
 impl Search<'_, '_> {
-    /// Adds effects as long as they earn their place, `most` in all, and takes those away that do
-    /// not any more.
-    fn ascend(&mut self, outcome: &mut Outcome, most: usize) -> Result<(), DiagnoseError> {
-        while self.forward(outcome)? {
-            self.backward(outcome)?;
-            if outcome.chosen.point.effects.len() >= most {
-                outcome.limited = self.finds_more(outcome)?;
-                break;
-            }
-        }
-        Ok(())
-    }
-
     /// Adds the effect, or the pair, that explains most; false where nothing earns its place.
     pub(super) fn forward(&mut self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
         let problem = self.problem;
@@ -224,6 +214,7 @@ impl Search<'_, '_> {
             starts.retain(|start| !others.iter().any(|other| is_like(start, other)));
             starts.extend(others);
         }
+        starts.retain(|start| !self.refused.contains(&start.kinds()));
         outcome.ranking = ranking;
         outcome.stopped = !starts.is_empty() && problem.left() < LEAST_LEFT;
         if starts.is_empty() || outcome.stopped {

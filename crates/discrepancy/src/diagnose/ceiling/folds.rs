@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
-use super::Target;
+use super::{GroupTrial, Target};
 use crate::diagnose::features::Group;
+use crate::diagnose::noise::{ChannelNoise, Prior, dot};
+use crate::stats::ratio;
 
 const FOLDS: usize = 6;
 
@@ -43,6 +45,16 @@ impl Folds {
 }
 
 impl Target<'_> {
+    /// Part of the residual's square, as it is, that groups fitted to the other folds foretell.
+    pub(super) fn foretold(&self, groups: &[&Group]) -> f64 {
+        if groups.is_empty() {
+            return 0.0;
+        }
+        let whole: f64 = self.rows.iter().map(|&t| self.residual[t].powi(2)).sum();
+        let errors = self.errors(groups, &ChannelNoise::WHITE, &self.folds(groups));
+        1.0 - ratio(dot(&errors, &errors), whole)
+    }
+
     /// The folds by which groups are cross-validated.
     pub(super) fn folds(&self, groups: &[&Group]) -> Folds {
         let onsets = groups.iter().filter_map(|group| group.changes);
@@ -56,6 +68,36 @@ impl Target<'_> {
             }
         }
     }
+}
+
+impl GroupTrial<'_> {
+    /// Schwarz's, with all numbers that make the groups fit: what a wave of one frequency does, a
+    /// signal seen through a filter of many numbers does nearly, too.
+    pub(super) fn criterion(&self) -> f64 {
+        let n = self.errors.len() as f64;
+        let numbers: usize = self.groups.iter().map(|group| group.numbers()).sum();
+        n * self.innovation().max(f64::MIN_POSITIVE).ln() + numbers as f64 * n.ln()
+    }
+
+    /// Variance of what cannot be predicted, cross-validated.
+    fn innovation(&self) -> f64 {
+        self.noise.sigma.powi(2) * dot(&self.errors, &self.errors)
+    }
+}
+
+/// All features of these groups.
+pub(super) fn features<'a>(groups: &'a [&'a Group]) -> impl Iterator<Item = &'a Vec<f64>> {
+    groups.iter().flat_map(|g| &g.features)
+}
+
+/// A little shrinkage, so that bins with few samples do not matter. From the sum of squares of each
+/// column over `count` rows.
+pub(super) fn ridge(squares: impl Iterator<Item = f64>, count: usize) -> Vec<Prior> {
+    let priors = squares.map(|sum| Prior {
+        offset: 0.0,
+        precision: (sum / count.max(1) as f64).sqrt(),
+    });
+    priors.collect()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
-//! What is left beyond the noise, where that is known.
+//! What is left beyond the noise, where that is known, or where most of it can be foretold.
 
+use crate::diagnose::ceiling::Bound;
 use crate::diagnose::fit::Fit;
 use crate::diagnose::floor::{Floor, left_beyond};
 use crate::diagnose::problem::Problem;
@@ -24,6 +25,7 @@ pub(super) fn excess(
     problem: &Problem,
     before: &Columns,
     last: &Fit,
+    bound: &Bound,
     floors: &[Option<Floor>],
 ) -> Option<Excess> {
     let nominal = problem.data.residual(before);
@@ -56,5 +58,45 @@ pub(super) fn excess(
             most = Some((beyond.ratio, excess));
         }
     }
-    most.map(|(_, excess)| excess)
+    let known = most.map(|(_, excess)| excess);
+    let Some((c, fraction)) = foretold(problem, before, last, bound, floors) else {
+        return known;
+    };
+    let foretold = Excess {
+        fraction,
+        prevails: true,
+        text: format!(
+            "most of what is left of `{}` can be foretold",
+            problem.model.channels()[c].name
+        ),
+    };
+    Some(match known {
+        Some(excess) if excess.prevails => excess,
+        _ => foretold,
+    })
+}
+
+/// The channel whose noise is not known, and of which most that is left can be foretold from
+/// signals, and the part of the discrepancy that this is: the noise is at most the rest, and what is
+/// beyond it counts as where noise is known.
+fn foretold(
+    problem: &Problem,
+    before: &Columns,
+    last: &Fit,
+    bound: &Bound,
+    floors: &[Option<Floor>],
+) -> Option<(usize, f64)> {
+    let rows = &problem.split.development;
+    let nominal = rms(&problem.data.residual(before), rows);
+    let left = rms(&last.residual, rows);
+    let channels = (0..left.len()).filter(|&c| floors[c].is_none() && !bound.in_time[c]);
+    let fractions = channels.filter_map(|c| {
+        let part = bound.foretold[c];
+        let [noise, variance] = [1.0 - part, part].map(|part| part * left[c].powi(2));
+        let discrepancy = nominal[c].powi(2) - noise;
+        let fraction = (variance / discrepancy.max(variance)).min(1.0);
+        let is_large = fraction.sqrt() > problem.options.unknown_above;
+        (noise + variance > PREVAILS * noise && is_large).then_some((c, fraction))
+    });
+    fractions.max_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -10,19 +10,20 @@ use crate::diagnose::search::Outcome;
 use crate::diagnose::validate::rms;
 use crate::stats::ratio;
 
-/// The curve that shows what the causes leave: on any joint where the cause is unknown or what is
-/// left is noise only if noise has a long memory; on those that have a cause where causes are
-/// named, whose shape it may not be.
+/// The curve that shows what the causes leave: on any joint where the cause is unknown, or what is
+/// left is noise only if noise has a long memory, or a signal foretells much of it (`is_hinted`); on
+/// those that have a cause where causes are named, whose shape it may not be.
 pub(super) fn curve(
     problem: &Problem,
     outcome: &Outcome,
     fits: [&Fit; 2],
+    is_hinted: bool,
     diagnosis: &Diagnosis,
 ) -> Result<Option<Shown>, DiagnoseError> {
     match diagnosis.verdict {
         Verdict::UnknownCause => shown(problem, outcome, fits, false),
         Verdict::Named => shown(problem, outcome, fits, true),
-        Verdict::NothingBeyondNoise if is_doubtful(diagnosis) => {
+        Verdict::NothingBeyondNoise if is_hinted || is_doubtful(diagnosis) => {
             shown(problem, outcome, fits, false)
         }
         Verdict::NothingBeyondNoise
