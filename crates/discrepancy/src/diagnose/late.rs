@@ -46,7 +46,16 @@ impl Search<'_, '_> {
         let Some(point) = thinned(problem, &all, tests).filter(|one| is_late(problem, one)) else {
             return Ok(false);
         };
-        let (found, orders) = settled(problem, fit(problem, point, train, &orders, true)?)?;
+        let (mut found, mut orders) = settled(problem, fit(problem, point, train, &orders, true)?)?;
+        // Far from no delay, where the fit ends, what stood out by a straight line may do nothing.
+        if let Some(point) = thinned(problem, &found, tests)
+            && point.effects.len() < found.point.effects.len()
+        {
+            (found, orders) = settled(problem, fit(problem, point, train, &orders, true)?)?;
+        }
+        if !is_late(problem, &found.point) {
+            return Ok(false);
+        }
         let (found, orders) = self.common(found, orders)?;
         let paired = self.paired(&outcome.chosen, &found);
         let better = criterion(problem, &found, &orders) + DECISIVE
