@@ -33,6 +33,7 @@ pub fn summary(answer: &PostureAnswer<'_>) -> String {
         percent(weakest.assessment.reserve()),
         text::show(Unit::Metre, weakest.along_m),
     );
+    text.push_str(&called_unstable(answer));
     if let Some(slowest) = slowest(&plan.points) {
         text.push_str(&format!(
             "  vibration dies away at {} 1/s or faster, {} 1/s are asked there\n",
@@ -58,6 +59,26 @@ pub fn summary(answer: &PostureAnswer<'_>) -> String {
         text.push_str("  note: the plan is for the nominal arm; effects act in runs only\n");
     }
     text
+}
+
+/// Criteria by which the plan is not stable all along, though it is by the one that made it.
+fn called_unstable(answer: &PostureAnswer<'_>) -> String {
+    let others = Criterion::ALL.iter().zip(&answer.plan_assessed);
+    let failing = others.filter_map(|(criterion, found)| {
+        let worst = least_ratio(found);
+        (worst < 1.0).then(|| format!("{criterion} ({} of what it asks)", significant(worst, 3)))
+    });
+    let failing: Vec<String> = failing.collect();
+    match failing.is_empty() {
+        true => String::new(),
+        false => format!("  not by each criterion, though: {}\n", failing.join(", ")),
+    }
+}
+
+/// The least value over what is needed.
+fn least_ratio(found: &[Assessment]) -> f64 {
+    let ratios = found.iter().map(|one| 1.0 + one.margin);
+    ratios.fold(f64::INFINITY, f64::min)
 }
 
 /// Slowest decay along a plan, for criteria that have one.
@@ -179,10 +200,7 @@ fn own_postures(found: &[Assessment]) -> String {
 /// Worst ratios of the plan and of the scenario's own postures by each criterion.
 fn comparison(answer: &PostureAnswer<'_>) -> String {
     let least = |found: &[Assessment]| {
-        let worst = found
-            .iter()
-            .map(|a| 1.0 + a.margin)
-            .fold(f64::INFINITY, f64::min);
+        let worst = least_ratio(found);
         let mark = if worst < 1.0 { "✗ " } else { "" };
         if worst.is_infinite() {
             "above 3".to_owned()

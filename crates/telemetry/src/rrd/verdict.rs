@@ -15,6 +15,9 @@ pub(super) fn claims_table(recording: &Recording, claims: &[ClaimResult]) -> Str
     let mut text = format!("## {}\n\n", recording.header.scenario_name);
     if recording.outcome != Outcome::Completed {
         text += &format!("✖ **The run {}.**\n\n", recording.outcome);
+    } else if let Some(end_s) = recording.time_s.last() {
+        // While a large file loads, its curves end earlier.
+        text += &format!("Ran to its end, {} s.\n\n", significant(*end_s, 4));
     }
     text += &match (claims.len(), failed) {
         // None made, or none judged: a run that was stopped, a file that was converted.
