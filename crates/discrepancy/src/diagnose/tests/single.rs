@@ -100,17 +100,3 @@ fn single_effects_at_twice_white_noise_are_named() {
 fn single_effects_at_twice_coloured_noise_are_named() {
     check(COLOURED, [713, 714]);
 }
-
-/// A force that goes with the place beside an offset ten times as large: of the discrepancy in the
-/// likelihood it is little, and a fifth of it in size. Most of what the offset leaves follows the
-/// place, and where noise is not known that is no noise.
-#[test]
-fn regress_what_a_strong_cause_leaves_is_told_if_it_can_be_foretold() {
-    let offset = [joint(EffectKind::JointOffset, &[60.0])];
-    let wave = |_: f64, x: f64, _: f64| 12.0 * (400.0 * x).sin();
-    for seed in 0..2 {
-        let answer = diagnosed(&offset, &wave, 15.0, WHITE, 70 + seed);
-        let told = describe(&answer);
-        assert_eq!(answer.diagnosis.verdict, Verdict::UnknownCause, "{told}");
-    }
-}
