@@ -164,6 +164,7 @@ fn posture_writes_a_scenario_that_runs() {
     let printed = told(&desk, &["posture", name, "--criterion", "mode-coupling"]);
     for wanted in [
         "planned by 6-DoF mode coupling: stable all along",
+        "not by each criterion, though: planar flutter (",
         "6-DoF mode coupling (planned by)",
         "truecut run",
     ] {
