@@ -77,8 +77,8 @@ pub(super) fn excess(
 }
 
 /// The channel whose noise is not known, and of which most that is left can be foretold from
-/// signals, and the part of the discrepancy that this is: the noise is at most the rest, and what is
-/// beyond it counts as where noise is known.
+/// signals, and the part of the discrepancy that this is: the noise is at most the rest, and what
+/// is beyond it counts as where noise is known.
 fn foretold(
     problem: &Problem,
     before: &Columns,

@@ -11,8 +11,8 @@ use crate::diagnose::validate::rms;
 use crate::stats::ratio;
 
 /// The curve that shows what the causes leave: on any joint where the cause is unknown, or what is
-/// left is noise only if noise has a long memory, or a signal foretells much of it (`is_hinted`); on
-/// those that have a cause where causes are named, whose shape it may not be.
+/// left is noise only if noise has a long memory, or a signal foretells much of it (`is_hinted`);
+/// on those that have a cause where causes are named, whose shape it may not be.
 pub(super) fn curve(
     problem: &Problem,
     outcome: &Outcome,

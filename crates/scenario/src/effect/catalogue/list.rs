@@ -150,12 +150,9 @@ Joint: JointEffect on Joint(joint: usize = *joint) {
     }
     LinkCenter "link_center" is LinkCenter in [Driven, Free, Inverse]:
         "The centre of mass of the link that the joint moves is not where its file says." {
-        x: "True centre less that of the file, in the link's frame"
-            = same("x_m", Unit::Metre, 0.0, -5.0, 5.0),
-        y: "True centre less that of the file, in the link's frame"
-            = same("y_m", Unit::Metre, 0.0, -5.0, 5.0),
-        z: "True centre less that of the file, in the link's frame"
-            = same("z_m", Unit::Metre, 0.0, -5.0, 5.0),
+        x: "True place less that of the file, in the link's frame" = same("x_m", Unit::Metre, 0.0, -5.0, 5.0),
+        y: "True place less that of the file, in the link's frame" = same("y_m", Unit::Metre, 0.0, -5.0, 5.0),
+        z: "True place less that of the file, in the link's frame" = same("z_m", Unit::Metre, 0.0, -5.0, 5.0),
     }
     JointRotor "joint_rotor" is Rotor in [Driven, Inverse]:
         "The motor's rotor, seen through its gear, is not that of the robot's file." {
