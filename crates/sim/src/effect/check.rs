@@ -1,5 +1,6 @@
 //! Whether an effect applies to a scenario.
 
+use super::robot::rotor_with;
 use crate::error::SimError;
 use truecut_arm::{JointKind, Robot};
 use truecut_core::friction::{FootFriction, FrictionLaw};
@@ -41,6 +42,13 @@ pub(super) fn applies(scenario: &Scenario, index: usize, robot: &Robot) -> Resul
         let message =
             format!("the delay is {delay_s} s, but a run knows no future: it must be at least 0");
         return refuse("delay_s", message);
+    }
+    if let Some(Typed::Joint(joint, JointEffect::Rotor { inertia })) = effect.typed()
+        && let Err(message) = rotor_with(&robot.chain.joints[joint], inertia)
+    {
+        let info = &effect.kind.parameters()[0];
+        let rotary = robot_is_rotary(robot, effect);
+        return refuse(if rotary { info.rotary_key } else { info.key }, message);
     }
     match misfit(scenario, effect) {
         Some(message) => refuse("kind", message),

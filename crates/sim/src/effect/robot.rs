@@ -64,14 +64,19 @@ pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimEr
         if effect.zero != 0.0 {
             joint.shift_zero(effect.zero);
         }
-        add_rotor(joint, effect.rotor)?;
+        if effect.rotor != 0.0 {
+            joint.transmission.rotor_inertia =
+                rotor_with(joint, effect.rotor).map_err(|why| SimError::scenario("effect", why))?;
+        }
     }
     for (link, effect) in robot.chain.links.iter_mut().zip(&effects.joints) {
         if effect.mass_factor != 1.0 {
             link.mass_kg *= effect.mass_factor;
             link.inertia_about_com_kg_m2 *= effect.mass_factor;
         }
-        link.com_m += effect.center_m;
+        if effect.center_m != Vector3::zeros() {
+            link.com_m += effect.center_m;
+        }
     }
     match &effects.payload {
         Some(payload) => add_payload(robot, payload),
@@ -79,29 +84,22 @@ pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimEr
     }
 }
 
-/// Gives the motor of a joint more (or less) to turn.
-fn add_rotor(joint: &mut Joint, more: f64) -> Result<(), SimError> {
-    if more == 0.0 {
-        return Ok(());
-    }
+/// A joint's rotor that is heavier than its file says, kg m² (kg); why not, if it cannot be.
+pub(super) fn rotor_with(joint: &Joint, more: f64) -> Result<f64, String> {
     let of_file = joint.transmission.rotor_inertia;
     let sum = of_file + more;
-    if sum < 0.0 {
-        let unit = match joint.kind {
-            JointKind::Revolute => "kg m²",
-            JointKind::Prismatic => "kg",
-        };
-        return Err(SimError::scenario(
-            "effect",
-            format!(
-                "a rotor of {more} {unit} beyond the {of_file} {unit} of joint `{}` leaves it {sum} {unit}; it \
-                 must not be negative",
-                joint.name
-            ),
-        ));
+    if sum >= 0.0 {
+        return Ok(sum);
     }
-    joint.transmission.rotor_inertia = sum;
-    Ok(())
+    let unit = match joint.kind {
+        JointKind::Revolute => "kg m²",
+        JointKind::Prismatic => "kg",
+    };
+    Err(format!(
+        "a rotor of {more} {unit} beyond the {of_file} {unit} of joint `{}` leaves it {sum} {unit}; it must \
+         not be negative",
+        joint.name
+    ))
 }
 
 /// A massless link that turns about a world axis through the world's origin, on a spring.
