@@ -163,7 +163,7 @@ fn differences(one: &Recording, other: &Recording) -> Vec<String> {
 }
 
 fn all_stages() -> Vec<(EffectKind, Scenario)> {
-    // What plays no part in a plant has no run: `replay.rs`.
+    // What plays no part in a plant has no run: `replay/`.
     (EffectKind::ALL
         .iter()
         .filter(|kind| kind.acts_in(Model::Driven)))
