@@ -89,7 +89,8 @@ def mujoco_rows(model, integrator, reference):
 
 
 def truecut_best():
-    command = ["cargo", "bench", "-q", "--profile", "release", "-p", "truecut-sim", "--bench", "forced_arm"]
+    # of the whole workspace: of one package alone the libraries have fewer features, and all are built once more
+    command = ["cargo", "bench", "-q", "--profile", "release", "--workspace", "--bench", "forced_arm"]
     command += ["--", "--test"] if SHORT else []
     output = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
     return largest_good(json.loads(output.strip().splitlines()[-1]))
