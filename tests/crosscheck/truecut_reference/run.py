@@ -10,6 +10,7 @@ import argparse
 import json
 import multiprocessing
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -44,9 +45,10 @@ def tolerance_of(scenario: Scenario) -> float:
 
 def reference_pair(scenario: Scenario, model, step_s: float, until_s: float, command) -> tuple[Result, Result]:
     """The reference at half the step and at the step."""
-    with multiprocessing.get_context("fork").Pool(2) as pool:
-        jobs = [pool.apply_async(simulate, (scenario, model, h, until_s, command)) for h in (0.5 * step_s, step_s)]
-        fine, coarse = (job.get() for job in jobs)
+    # not multiprocessing's Pool: it ends its workers by a signal that a runner of tests may catch, and then waits for ever
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("fork")) as pool:
+        jobs = [pool.submit(simulate, scenario, model, h, until_s, command) for h in (0.5 * step_s, step_s)]
+        fine, coarse = (job.result() for job in jobs)
     return fine, coarse
 
 
