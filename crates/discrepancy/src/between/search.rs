@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use truecut_scenario::effect::Effect;
+
 use super::answer::{Answer, Verdict};
 use super::change::{Change, Of};
 use super::revised::{Now, after_another_motion, doubted, no_more_than_of_one};
@@ -105,8 +107,12 @@ fn searched(
         let data = join::one_after_the_other(&pair.first.observation, &pair.second.observation);
         let start: Vec<f64> = joint.nominal().iter().map(|one| one.value).collect();
         if let Ok(fitted) = work.refitted(&joint, &data, &start, &now.effects) {
-            (both, shared) = joint.settled(&fitted.nominal);
-            now.numbers = fitted.numbers;
+            let (fitted_both, fitted_shared) = joint.settled(&fitted.nominal);
+            let sides = model.split(&fitted_shared, &now.effects);
+            if can_be_simulated(pair, &fitted_both, &sides) {
+                (both, shared) = (fitted_both, fitted_shared);
+                now.numbers = fitted.numbers;
+            }
         }
     }
     let mut changes = told(pair, &model, &shared, &found.diagnosis, undecided);
@@ -128,6 +134,14 @@ fn searched(
         changed: now.changed,
     };
     Ok((answer, set_up_of_second))
+}
+
+/// Whether both machines run. Not so if what both share, fitted to both, takes from a link what a
+/// change (a payload taken off) takes from it as well.
+fn can_be_simulated(pair: &Between, both: &[Vec<f64>; 2], sides: &[Vec<Effect>; 2]) -> bool {
+    let trials = [&pair.first, &pair.second];
+    (trials.into_iter().zip(both).zip(sides))
+        .all(|((trial, numbers), effects)| trial.predict(numbers, effects).is_ok())
 }
 
 /// Refuses units of the second recording that cannot be meant.
