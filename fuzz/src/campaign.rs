@@ -79,7 +79,7 @@ impl fmt::Display for Finding {
 
 /// Runs the cases `first..last` of a seed, until `stop` says so.
 ///
-/// Each case lies on the disk before it is read: what ends the process (memory beyond the limit,
+/// Each case lies in a file before it is read: what ends the process (memory beyond the limit,
 /// a stack that overflows) leaves it there.
 ///
 /// # Errors
@@ -95,7 +95,7 @@ pub fn run(
     let files: Vec<&[u8]> = seeds.iter().map(|seed| seed.bytes.as_slice()).collect();
     let folder = tempfile::Builder::new()
         .prefix("truecut-fuzz-")
-        .tempdir()
+        .tempdir_in(scratch())
         .expect("a folder");
     let mut tally = Tally::default();
     for number in cases {
@@ -140,6 +140,16 @@ pub fn run(
         tally.note(number, took, is_accepted);
     }
     Ok(tally)
+}
+
+/// Where cases lie while they are read: in memory, where a file system makes and takes away small
+/// files ten times as fast as on a disk, unless another folder is asked for.
+fn scratch() -> PathBuf {
+    let memory = PathBuf::from("/dev/shm");
+    match std::env::var_os("TMPDIR").is_none() && memory.is_dir() {
+        true => memory,
+        false => std::env::temp_dir(),
+    }
 }
 
 /// The case of a number: which file it was made of, and its bytes.

@@ -211,7 +211,8 @@ fn repeat(bytes: &mut Vec<u8>, choices: &mut Unstructured) -> Result<()> {
     let at = place(bytes, choices)?;
     let end = bytes.len().min(at + choices.int_in_range(1..=64)?);
     let part = bytes[at..end].to_vec();
-    let times = match choices.int_in_range(0..=7)? {
+    // Seldom: reading a megabyte takes as long as a thousand small files.
+    let times = match choices.int_in_range(0..=63)? {
         0 => MOST_REPEATS,
         _ => choices.int_in_range(2..=50)?,
     };

@@ -317,49 +317,79 @@ fn verify_the_force_that_a_repeatability_hides() {
     assert!((furthest_m / 0.06e-3 - 1.0).abs() < 0.05, "{furthest_m} m");
 }
 
-/// An effort that does not hold the arm is a placeholder and no limit.
-#[test]
-fn efforts_that_do_not_hold_the_arm_are_not_used() {
+/// What comes of the HP20's data sheet if its file has these efforts, by the joint's number.
+fn with_efforts(effort: impl Fn(usize) -> String) -> Estimated {
     let text = std::fs::read_to_string(asset("hp20")).expect("the asset");
-    let mut efforts = text.split("effort=\"");
-    let mut weak = efforts.next().expect("a head").to_owned();
-    for (index, part) in efforts.enumerate() {
+    let mut parts = text.split("effort=\"");
+    let mut changed = parts.next().expect("a head").to_owned();
+    for (index, part) in parts.enumerate() {
         let rest = part.split_once('"').expect("a value").1;
-        weak += &format!(
-            "effort=\"{}\"{rest}",
-            if index == 1 { "100" } else { "1e5" }
-        );
+        changed += &format!("effort=\"{}\"{rest}", effort(index));
     }
-    let urdf = std::env::temp_dir().join(format!("truecut-weak-{}.urdf", std::process::id()));
-    std::fs::write(&urdf, weak).expect("written");
-    let estimated = by_sheet(&urdf, sheet(Some(268.0), 20.0)).expect("estimated");
-    std::fs::remove_file(&urdf).expect("removed");
-    let notes = estimated.notes.join("\n");
+    let folder = tempfile::tempdir().expect("a folder");
+    let urdf = folder.path().join("weak.urdf");
+    std::fs::write(&urdf, changed).expect("written");
+    by_sheet(&urdf, sheet(Some(268.0), 20.0)).expect("estimated")
+}
+
+/// An effort that is far from holding the arm is a placeholder and no limit; one that holds it in
+/// some postures only is kept, and told.
+#[test]
+fn efforts_that_do_not_hold_the_arm_are_told() {
+    let of_second = |effort: &str| {
+        let effort = effort.to_owned();
+        with_efforts(move |index| {
+            if index == 1 {
+                effort.clone()
+            } else {
+                "1e5".into()
+            }
+        })
+    };
+    let estimated = of_second("100");
     let second = &Robot::load(&asset("hp20"), None, None)
         .expect("the asset")
         .chain
         .joints[1]
         .name;
-    assert!(notes.contains(&format!(": {second} (100 of ")), "{notes}");
-    assert!(
-        estimated
-            .text
-            .contains("since the URDF's 100 does not hold the arm")
-    );
+    let [note] = &estimated.notes[..] else {
+        panic!("{:?}", estimated.notes);
+    };
+    let (what, held) = note
+        .split_once(&format!(": {second} (100 of "))
+        .expect("the joint");
+    assert!(what.contains("are not used"), "{note}");
+    let replaced = "since the URDF's 100 does not hold the arm";
+    assert!(estimated.text.contains(replaced));
     assert_eq!(estimated.text.matches("limit of the URDF").count(), 5);
 
-    // Gravity hardly loads the axes of a wrist: a small drive is enough, and no placeholder.
-    let small = std::fs::read_to_string(asset("hp20")).expect("the asset");
-    let mut efforts = small.split("effort=\"");
-    let mut wrist = efforts.next().expect("a head").to_owned();
-    for (index, part) in efforts.enumerate() {
-        let rest = part.split_once('"').expect("a value").1;
-        wrist += &format!("effort=\"{}\"{rest}", if index >= 3 { "40" } else { "1e5" });
+    let held: f64 = held.trim_end_matches(')').parse().expect("a torque");
+    for (share, told) in [
+        (0.32, "are not used"),
+        (0.35, "are kept"),
+        (0.98, "are kept"),
+    ] {
+        let effort = format!("{:.1}", share * held);
+        let estimated = of_second(&effort);
+        let [note] = &estimated.notes[..] else {
+            panic!("{share}: {:?}", estimated.notes);
+        };
+        assert!(
+            note.contains(told) && note.contains(&effort),
+            "{share}: {note}"
+        );
     }
-    std::fs::write(&urdf, wrist).expect("written");
-    let estimated = by_sheet(&urdf, sheet(Some(268.0), 20.0)).expect("estimated");
-    std::fs::remove_file(&urdf).expect("removed");
-    assert_eq!(estimated.notes, [""; 0]);
+    assert_eq!(of_second(&format!("{:.1}", 1.02 * held)).notes, [""; 0]);
+
+    // Gravity hardly loads the axes of a wrist: a small drive is enough, and no placeholder.
+    let wrist = with_efforts(|index| {
+        if index >= 3 {
+            "40".into()
+        } else {
+            "1e5".into()
+        }
+    });
+    assert_eq!(wrist.notes, [""; 0]);
 }
 
 /// Names as XML allows them: quotes, backslashes, breaks, letters of any script.

@@ -31,35 +31,52 @@ pub(super) fn limit(effort: Option<f64>, torque: f64) -> (f64, LimitRule) {
     }
 }
 
-/// Replaces limits of the URDF that do not hold the arm with its payload, and tells them.
-/// `torque` is what each joint is sized for.
+/// Replaces limits of the URDF that are far from holding the arm with its payload, and tells them;
+/// and those that are kept although they do not hold it everywhere. `torque` is what each joint is
+/// sized for.
 pub(super) fn replace_weak(
     robot: &Robot,
     payload_kg: f64,
     torque: impl Fn(usize) -> f64,
     joints: &mut [JointEstimate],
-) -> Option<String> {
+) -> Vec<String> {
     let held = largest_gravity_torques(robot, payload_kg);
-    let mut weak = Vec::new();
+    let (mut replaced, mut kept) = (Vec::new(), Vec::new());
     for (index, (estimate, held)) in joints.iter_mut().zip(held).enumerate() {
         let effort = estimate.torque_limit;
-        if estimate.limit != LimitRule::Given || effort >= WEAKEST_DRIVE * held {
+        if estimate.limit != LimitRule::Given || effort >= held {
+            continue;
+        }
+        let name = &robot.chain.joints[index].name;
+        let told = format!("{name} ({effort} of {held:.0})");
+        if effort >= WEAKEST_DRIVE * held {
+            kept.push(told);
             continue;
         }
         estimate.torque_limit = LIMIT_PER_TORQUE * torque(index);
         estimate.limit = LimitRule::TooWeak(effort);
-        weak.push(format!(
-            "{} ({effort} of {held:.0})",
-            robot.chain.joints[index].name
-        ));
+        replaced.push(told);
     }
-    (!weak.is_empty()).then(|| {
-        format!(
-            "effort limits of the file that do not hold the arm with its payload are placeholders, it seems, and \
-             are not used (N m, or N, of what gravity asks in some posture): {}",
-            weak.join(", ")
-        )
-    })
+    let units = "(N m, or N, of what gravity asks in some posture)";
+    let notes = [
+        (
+            replaced,
+            format!(
+                "effort limits of the file that do not hold the arm with its payload are placeholders, it seems, \
+                 and are not used {units}"
+            ),
+        ),
+        (
+            kept,
+            format!(
+                "effort limits of the file are kept that hold the arm with its payload in some postures only \
+                 {units}; runs elsewhere end as overloaded, unless links are lighter than estimated"
+            ),
+        ),
+    ];
+    let told = notes.into_iter().filter(|(joints, _)| !joints.is_empty());
+    told.map(|(joints, what)| format!("{what}: {}", joints.join(", ")))
+        .collect()
 }
 
 /// The largest that gravity asks of each joint with the payload at the flange, over postures that
