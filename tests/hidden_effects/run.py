@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The hidden-effects bench: `python tests/hidden_effects/run.py [--fast | --whole] [--seeds report | tune]`.
+"""The hidden-effects bench: `python tests/hidden_effects/run.py [--fast | --whole] [--seeds report | tune | N]`.
 
 Makes measurements in MuJoCo with something hidden in them, asks `truecut diagnose` about each, and writes how often it
 was right to `out/hidden_effects/` (report.md, report.json). Exit code 0 if every goal is met, 1 if not. The fast part
@@ -18,7 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from bench import ROOT, report, runner  # noqa: E402
-from bench.cases import SEEDS, all_cases, fast_cases  # noqa: E402
+from bench.cases import SEEDS, all_cases, base_of, fast_cases  # noqa: E402
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -31,10 +31,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--every", type=int, default=1, help="of the whole bench, only every n-th set")
     parser.add_argument("--jobs", type=int, default=2, help="diagnoses at once")
     parser.add_argument("--program", default=str(ROOT / "target" / "release" / "truecut"), help="truecut, or a command")
-    parser.add_argument("--seeds", choices=sorted(SEEDS), default="report", help="thresholds are tuned on others")
+    known = " or ".join(SEEDS)
+    parser.add_argument("--seeds", default="report", help=f"{known} (thresholds are tuned on others), or a number")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "hidden_effects")
     parser.add_argument("--generate-only", action="store_true", help="write the data and stop")
     options = parser.parse_args(arguments)
+    if options.seeds not in SEEDS and not options.seeds.isdigit():
+        parser.error(f"--seeds {options.seeds} is neither {known} nor a number")
     began = time.perf_counter()
     whole = options.whole or bool(options.family)
     cases = all_cases(options.seeds) if whole else fast_cases(options.seeds)
@@ -45,7 +48,7 @@ def main(arguments: list[str] | None = None) -> int:
     if whole and options.every > 1:
         cases = cases[:: options.every]
     work = ROOT / "target" / "hidden_effects" / (options.seeds if whole else f"{options.seeds}_fast")
-    sets = runner.write_all(cases, work, SEEDS[options.seeds], options.jobs)
+    sets = runner.write_all(cases, work, base_of(options.seeds), options.jobs)
     print(f"{len(sets)} sets in {work}, {time.perf_counter() - began:.0f} s", flush=True)
     if options.generate_only:
         return 0

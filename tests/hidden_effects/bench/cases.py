@@ -63,11 +63,16 @@ class Case:
     still: float | None = None
 
 
+def base_of(seeds: str) -> int:
+    """The number that all seeds of a named bench start from; a number names a bench of its own."""
+    return SEEDS[seeds] if seeds in SEEDS else int(seeds)
+
+
 class _Draw:
     """Counts cases and draws what differs between them."""
 
     def __init__(self, seeds: str) -> None:
-        self.base = SEEDS[seeds]
+        self.base = base_of(seeds)
         self.count = 0
         self.variants = {name: self._shifts(i, len(e.uncertain)) for i, (name, e) in enumerate(ALL.items())}
 
