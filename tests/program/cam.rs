@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::Desk;
 use super::path::{hp20, told};
+use super::{BAD_INPUT, Desk};
 
 /// Two poses straight down before the arm, the tool turned by -90 deg.
 fn poses_before_the_arm(desk: &Desk) {
@@ -116,6 +116,64 @@ fn the_tool_of_another_file_is_used_and_a_missing_one_told() {
         "{}",
         told(&without)
     );
+}
+
+/// A placement out of reach comes to no program, and that of an earlier placement goes, with the
+/// parts of a long job; what is not of it stays. A fault of the file leaves everything.
+#[test]
+fn a_placement_out_of_reach_leaves_no_earlier_program() {
+    let desk = Desk::new();
+    let code = "G21 G90 G17\nG0 X0 Y0 Z20\nG1 Z0 F600\nG1 X40\nM30\n";
+    let robot = hp20();
+    let date = &["--option", "date=2026-01-31 12:00"][..];
+    for (dialect, files, options) in [
+        ("jbi", &["C.JBI"][..], date),
+        ("rapid", &["C.mod"], &[]),
+        ("krl", &["C.src", "C.dat"], &[]),
+        ("urscript", &["C.script"], &[]),
+        ("ls", &["C.LS"], &[]),
+    ] {
+        std::fs::write(desk.path("c.nc"), code).unwrap();
+        let path = |place: &str| {
+            let head = ["path", "c.nc", "--robot", &robot, "--dialect", dialect];
+            let place = ["--work-xyz-mm", place];
+            desk.truecut(&[&head[..], &place, options].concat())
+        };
+        let there = || {
+            let paths = files.iter().map(|name| desk.path(&format!("out/c/{name}")));
+            paths.filter(|path| path.is_file()).count()
+        };
+        let output = path("900,0,350");
+        assert!(output.status.success(), "{dialect}: {}", told(&output));
+        assert_eq!(there(), files.len(), "{dialect}");
+
+        std::fs::write(desk.path("c.nc"), code.replace("X40", "X40 Q2")).unwrap();
+        let output = path("900,0,350");
+        assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
+        assert!(told(&output).contains("`Q2`"), "{}", told(&output));
+        assert_eq!(there(), files.len(), "{dialect}: a fault of the file");
+
+        std::fs::write(desk.path("c.nc"), code).unwrap();
+        let output = path("3000,0,350");
+        assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
+        assert!(told(&output).contains("reach"), "{}", told(&output));
+        assert_eq!(there(), 0, "{dialect}: out of reach");
+        // Nothing is left to take away, and the fault is the same.
+        assert_eq!(told(&path("3000,0,350")), told(&output));
+        assert!(desk.path("out/c/path.csv").is_file());
+    }
+    let job = |name: &str| desk.path(&format!("out/c/{name}.JBI"));
+    let calls = "NOP\r\nCALL JOB:C01\r\nCALL JOB:C02\r\nCALL JOB:GRIP2\r\nEND\r\n";
+    std::fs::write(job("C"), calls).unwrap();
+    for name in ["C01", "C02", "C03", "GRIP2"] {
+        std::fs::write(job(name), "NOP\r\nEND\r\n").unwrap();
+    }
+    let place = ["--work-xyz-mm", "3000,0,350", "--dialect", "jbi"];
+    let head = ["path", "c.nc", "--robot", &robot];
+    let output = desk.truecut(&[&head[..], &place, date].concat());
+    assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
+    let left = ["C", "C01", "C02", "C03", "GRIP2"].map(|name| job(name).is_file());
+    assert_eq!(left, [false, false, false, true, true]);
 }
 
 #[test]

@@ -115,6 +115,32 @@ fn a_job_that_leaves_its_path_does_not_hold() {
     );
 }
 
+/// A face out of reach comes to no program, and that of an earlier place goes; a fault of the job
+/// leaves it.
+#[test]
+fn a_job_out_of_reach_leaves_no_earlier_program() {
+    let desk = Desk::new();
+    let coarse = ("step_mm = 2", "step_mm = 5");
+    let place = "xyz_mm = [1000, -100, 450]";
+    let written = desk.path("out/spoke/SPOKE.JBI");
+    let output = desk.truecut(&["path", &job(&desk, "spoke", &[coarse])]);
+    assert!(output.status.success(), "{}", told(&output));
+    assert!(written.is_file());
+
+    let wrong = ("step_mm = 2", "step_mm = -2");
+    let output = desk.truecut(&["path", &job(&desk, "spoke", &[wrong])]);
+    let code = output.status.code();
+    assert_eq!(code, Some(super::BAD_INPUT), "{}", told(&output));
+    assert!(written.is_file(), "{}", told(&output));
+
+    let far = (place, "xyz_mm = [4000, -100, 450]");
+    let output = desk.truecut(&["path", &job(&desk, "spoke", &[coarse, far])]);
+    let code = output.status.code();
+    assert_eq!(code, Some(super::BAD_INPUT), "{}", told(&output));
+    assert!(told(&output).contains("reach"), "{}", told(&output));
+    assert!(!written.exists(), "{}", told(&output));
+}
+
 /// Taught points before the lines, the arm alone, an ABB arm's module: read back to the same path.
 #[test]
 fn a_module_with_taught_points_is_read_back() {

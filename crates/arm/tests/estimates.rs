@@ -329,7 +329,21 @@ fn with_efforts(effort: impl Fn(usize) -> String) -> Estimated {
     let folder = tempfile::tempdir().expect("a folder");
     let urdf = folder.path().join("weak.urdf");
     std::fs::write(&urdf, changed).expect("written");
-    by_sheet(&urdf, sheet(Some(268.0), 20.0)).expect("estimated")
+    by_sheet(&urdf, sheet(None, 20.0)).expect("estimated")
+}
+
+/// A mass that is spread over all links takes the place of what the file gives, which is said.
+#[test]
+fn masses_of_the_file_that_are_not_used_are_told() {
+    let notes = |mass_kg| {
+        let estimated = by_sheet(&asset("hp20"), sheet(mass_kg, 20.0));
+        estimated.expect("estimated").notes.join("\n")
+    };
+    let told = notes(Some(268.0));
+    for of_file in ["link_2 (32.0000 kg)", "end_effector (9.0000 kg)"] {
+        assert!(told.contains(of_file), "{of_file}: {told}");
+    }
+    assert!(!notes(None).contains("not used"));
 }
 
 /// An effort that is far from holding the arm is a placeholder and no limit; one that holds it in
@@ -384,7 +398,7 @@ fn efforts_that_do_not_hold_the_arm_are_told() {
     // Gravity hardly loads the axes of a wrist: a small drive is enough, and no placeholder.
     let wrist = with_efforts(|index| {
         if index >= 3 {
-            "40".into()
+            "45".into()
         } else {
             "1e5".into()
         }

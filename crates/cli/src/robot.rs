@@ -159,9 +159,10 @@ fn write_estimate(init: &InitArguments) -> Result<ExitStatus, Failure> {
     let notes: String = notes.map(|note| format!("  note: {note}\n")).collect();
     crate::print(&format!(
         "{}\n{notes}  every value in it is estimated, by the rule that it states\n  \
-         look at it: truecut robot {} --config {}\n",
+         look at it: truecut robot {}{} --config {}\n",
         out.display(),
         init.urdf.display(),
+        source.as_options(),
         out.display()
     ))
 }

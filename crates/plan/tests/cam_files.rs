@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 use truecut_plan::cam::{self, Attitude, CamOptions, CamPath};
-use truecut_plan::program::{MOST_POINTS, Program, ProgramError, Start};
+use truecut_plan::program::{
+    MOST_POINTS, Program, ProgramError, Settings, Start, Zone, dialect_named,
+};
 
 fn read(text: &str, name: &str) -> Result<CamPath, ProgramError> {
     cam::read(text, Path::new(name), &CamOptions::default())
@@ -391,6 +393,51 @@ fn the_tool_points_against_its_axis_into_the_work() {
         (place - Vector3::new(0.91, 0.0, 0.3)).norm() < 1e-12,
         "{place}"
     );
+}
+
+/// A whole turn, a helix and a line, with or without exact stop.
+fn curved(mode: &str) -> String {
+    format!(
+        "G21 G90 G17 {mode} F600\nG0 X0 Y0 Z0\nG2 X0 Y0 I20 J0\nG3 X10 Y10 Z4 R10\nG1 X20\nM30\n"
+    )
+}
+
+/// Exact stop counts where blocks end: points within arcs and helices are passed, and nothing else
+/// tells the path from one under G64.
+#[test]
+fn exact_stop_is_at_the_ends_of_blocks() {
+    let [exact, blended] = ["G61", "G64"].map(|mode| gcode(&curved(mode)).points);
+    assert!(exact.len() > 80, "{} points", exact.len());
+    for (k, point) in exact.iter().enumerate() {
+        let next = exact.get(k + 1);
+        let ends = next.is_none_or(|next| next.line != point.line);
+        assert_eq!(point.stops, ends, "point {k} of line {}", point.line);
+        let passed = cam::CamPoint {
+            stops: false,
+            ..*point
+        };
+        assert_eq!(passed, blended[k], "point {k}");
+    }
+    assert_eq!(exact.len(), blended.len());
+}
+
+/// A program under G61 has one `fine` a block, and the zone of G64 within arcs.
+#[test]
+fn exact_stop_is_written_once_a_block() {
+    let robot = assets::robot("hp20");
+    let rapid = dialect_named("rapid").expect("a dialect");
+    // The first and the last point are stopped at in either.
+    for (mode, zones, fine) in [("G61", 4, 4), ("G64", 1, 2)] {
+        let program = follow(&curved(mode), Path::new("x.nc")).expect("a program");
+        let stops = program.moves.iter().filter(|one| one.zone == Zone::Stop);
+        assert_eq!(stops.count(), zones, "{mode}");
+        let files = rapid.write(&program, &robot, &Settings::default());
+        let files = files.expect("a module");
+        let text = &files[0].text;
+        assert_eq!(text.matches(",fine,").count(), fine, "{mode}");
+        let passed = program.moves.len() - fine;
+        assert_eq!(text.matches(",z1,").count(), passed, "{mode}");
+    }
 }
 
 /// Whatever delimits the cells, in whatever unit the columns are named.

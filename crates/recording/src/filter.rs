@@ -150,6 +150,14 @@ impl SecondOrderSection {
 /// Weights of the differences across one, two and three intervals in a derivative that is exact for
 /// polynomials up to the sixth degree (`fornberg1988`, table 1).
 const SIXTH_ORDER: [f64; 3] = [3.0 / 2.0, -3.0 / 5.0, 1.0 / 10.0];
+/// Likewise, up to four intervals, in the derivative at the middle of the polynomial of fourth
+/// degree that fits nine samples best (`savitzky1964`).
+const SMOOTHING: [f64; 4] = [
+    126.0 * 2.0 / 1188.0,
+    193.0 * 4.0 / 1188.0,
+    142.0 * 6.0 / 1188.0,
+    -86.0 * 8.0 / 1188.0,
+];
 
 /// Derivative of uniform samples: central differences; at both ends the difference of two samples,
 /// since a formula of higher order there would multiply noise. At a frequency of x radians an
@@ -175,14 +183,30 @@ pub fn differentiate(values: &[f64], interval_s: f64) -> Vec<f64> {
 /// # Panics
 /// If the interval is not positive.
 pub fn differentiate_sixth_order(values: &[f64], interval_s: f64) -> Vec<f64> {
+    differentiate_across(values, interval_s, &SIXTH_ORDER)
+}
+
+/// Derivative of uniform samples that smooths: of the polynomial of fourth degree through nine
+/// samples. Small by 179 x^4 / 270 at a frequency of x radians an interval: less than
+/// [`differentiate`] up to x = 0.5. Beyond, where noise is, it passes less of it. Within four
+/// samples of an end it is the same.
+///
+/// # Panics
+/// If the interval is not positive.
+pub fn differentiate_smoothing(values: &[f64], interval_s: f64) -> Vec<f64> {
+    differentiate_across(values, interval_s, &SMOOTHING)
+}
+
+/// Weighted differences across one, two and more intervals.
+fn differentiate_across(values: &[f64], interval_s: f64, weights: &[f64]) -> Vec<f64> {
     let mut slopes = differentiate(values, interval_s);
-    let reach = SIXTH_ORDER.len();
+    let reach = weights.len();
     for k in reach..values.len().saturating_sub(reach) {
         let across = |steps: usize| {
             (values[k + steps] - values[k - steps]) / (2.0 * steps as f64 * interval_s)
         };
         slopes[k] = (1..)
-            .zip(SIXTH_ORDER)
+            .zip(weights)
             .map(|(steps, weight)| weight * across(steps))
             .sum();
     }
@@ -320,6 +344,11 @@ mod tests {
                 (central / (x.powi(2) / 6.0) - 1.0).abs() < 0.06,
                 "{central} at {x}"
             );
+            let smoothing = found(differentiate_smoothing(&wave, 1.0));
+            let said = 179.0 / 270.0 * x.powi(4);
+            let is_near = (smoothing - said).abs() < 0.25 * said + 1e-12;
+            assert!(is_near || x > 0.6, "{smoothing}, {said} at {x}");
+            assert_eq!(smoothing < central, x < 0.5, "{smoothing}, {central}");
             let sixth = found(differentiate_sixth_order(&wave, 1.0));
             let said = x.powi(6) / 140.0;
             assert!(

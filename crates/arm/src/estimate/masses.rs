@@ -96,6 +96,21 @@ pub(super) fn spread(
     all
 }
 
+/// Tells the masses of the file in whose place others are entered.
+pub(super) fn unused(tree: &Tree, mass_kg: f64) -> Option<String> {
+    let with_mass = tree.links.iter().filter(|link| link.mass_kg > 0.0);
+    let of_file: Vec<String> = with_mass
+        .map(|link| format!("{} ({:.4} kg)", link.name, link.mass_kg))
+        .collect();
+    (!of_file.is_empty()).then(|| {
+        format!(
+            "--mass spreads {mass_kg} kg over all links, so that masses and inertias of the file are not used: {}; \
+             put those that are known into [[link]], or leave --mass out",
+            of_file.join(", ")
+        )
+    })
+}
+
 /// Enters the masses in place of all that the file gives.
 pub(super) fn enter(tree: &mut Tree, masses: &[LinkMass]) {
     for link in &mut tree.links {

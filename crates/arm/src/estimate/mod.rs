@@ -100,7 +100,9 @@ pub fn robot_toml(
     let (mut tree, tip_link) = source.tree(urdf, tip)?;
     let path = joints_to(&tree, tip_link);
     let mut given = Vec::new();
+    let mut unused = None;
     if let Some(mass_kg) = sheet.mass_kg {
+        unused = masses::unused(&tree, mass_kg);
         given = masses::spread(&tree, &path, mass_kg, urdf, packages);
         masses::enter(&mut tree, &given);
         tree.is_of_sheet = true;
@@ -119,6 +121,7 @@ pub fn robot_toml(
     // What speaks against the file itself: lengths and angles in other units, a flange across the
     // wrist.
     notes.append(&mut tree.doubts);
+    notes.extend(unused);
     notes.extend(doubts::of_geometry(&robot.chain, &robot.frames));
     let sized = |index| design_torque(&chain, &lengths, index, sheet.payload_kg);
     notes.extend(limits::replace_weak(

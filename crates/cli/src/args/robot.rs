@@ -33,6 +33,18 @@ impl RobotSource {
         self.arguments.iter().cloned().collect()
     }
 
+    /// As options of another call that reads the same robot, each after a space.
+    pub fn as_options(&self) -> String {
+        let tip = self.tip.iter().map(|link| format!(" --tip {link:?}"));
+        let named = |option: &str, of: &[(String, String)]| -> String {
+            of.iter()
+                .map(|(name, value)| format!(" --{option} {:?}", format!("{name}={value}")))
+                .collect()
+        };
+        let packages = named("package", &self.packages);
+        tip.collect::<String>() + &packages + &named("arg", &self.arguments)
+    }
+
     /// How the robot is read.
     pub fn reading<'a>(&'a self, config: Option<&'a PathBuf>, masses: Masses) -> Reading<'a> {
         Reading {

@@ -77,9 +77,33 @@ pub fn with_unit(number: &str, unit: &str) -> String {
     }
 }
 
+/// A number with at least four digits, and as many as show two of a difference of this size.
+pub fn to_within(value: f64, difference: f64) -> String {
+    let place = |x: f64| x.abs().log10().floor();
+    let digits = 2.0 + place(value) - place(difference);
+    // No digit beyond what a double holds; nothing to go by where a size is 0 or infinite.
+    let digits = if digits.is_finite() { digits } else { 4.0 };
+    significant(value, digits.clamp(4.0, 12.0) as usize)
+}
+
+/// What must be seen in a factor: half its interval, and how far it is from 1, unless that is next
+/// to nothing beside the interval.
+fn to_be_seen(parameter: &Parameter) -> f64 {
+    let half = match (parameter.low, parameter.high) {
+        (Some(low), Some(high)) => 0.5 * (high - low),
+        _ => 0.0,
+    };
+    let from_one = (parameter.value - 1.0).abs();
+    match parameter.unit == "1" && from_one > 0.1 * half && (from_one < half || half == 0.0) {
+        true => from_one,
+        false => half,
+    }
+}
+
 /// A value with its interval and unit.
 pub fn estimate(parameter: &Parameter) -> String {
-    let number = |value: f64| significant(value, 4);
+    let difference = to_be_seen(parameter);
+    let number = |value: f64| to_within(value, difference);
     let value = number(parameter.value);
     match (parameter.low, parameter.high) {
         (Some(low), Some(high)) => with_unit(

@@ -14,7 +14,7 @@ use truecut_plan::program::{
 
 use super::cam_files::{Planned, record, seen, table};
 use super::cam_page;
-use super::files::UNWRITTEN;
+use super::files::{UNWRITTEN, without_program};
 use crate::args::{CamArguments, PathArguments};
 use crate::clearance::Checked;
 use crate::exit_status::ExitStatus;
@@ -97,9 +97,12 @@ impl BeforeArm<'_> {
         head: Program,
     ) -> Result<ExitStatus, Failure> {
         let (robot, read, file) = (self.robot, self.read, &arguments.file);
-        let program = self.followed(file, dialect, head)?;
+        let folder = folder(arguments);
+        let program_name = head.name.clone();
+        let none = |failure: Failure| without_program(&folder, &program_name, dialect, failure);
+        let program = self.followed(file, dialect, head).map_err(none)?;
         let run = |tell: &(dyn Fn(f64) + Sync)| replayed(&program, robot, file, tell);
-        let replay = Progress::of_one("run through", run)?;
+        let replay = Progress::of_one("run through", run).map_err(none)?;
         let clearance = cell.map(|cell| {
             let is_rapid = |point: usize| read.points[point].feed_m_per_s.is_none();
             let stations = Station::of_replay(&program, &replay, is_rapid);
@@ -197,12 +200,12 @@ impl BeforeArm<'_> {
         run: &RunThrough<'_>,
     ) -> Result<Vec<PathBuf>, Failure> {
         let (robot, program) = (planned.robot, planned.program);
-        let stem = truecut_files::folder_name(&arguments.file, "path");
-        let folder = arguments.out.join(&stem);
+        let folder = folder(arguments);
         // First what can be refused.
-        let files = dialect
-            .write(program, robot, settings)
-            .map_err(|error| self.unwritten(&arguments.file, &error))?;
+        let files = dialect.write(program, robot, settings).map_err(|error| {
+            let failure = self.unwritten(&arguments.file, &error);
+            without_program(&folder, &program.name, dialect, failure)
+        })?;
         let [points, recording, html] =
             ["path.csv", "path.rrd", "path.html"].map(|one| folder.join(one));
         let table = table(planned, self.line_word, &self.slides_m);
@@ -218,6 +221,12 @@ impl BeforeArm<'_> {
         written.extend(super::files::programs(&folder, files, run.holds())?);
         Ok(written)
     }
+}
+
+/// Where the files of a call go.
+fn folder(arguments: &PathArguments) -> PathBuf {
+    let stem = truecut_files::folder_name(&arguments.file, "path");
+    arguments.out.join(stem)
 }
 
 fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use truecut_plan::program::{Motion, Move, Program, ProgramError, ProgramFile};
+use truecut_plan::program::{Dialect, Motion, Move, Program, ProgramError, ProgramFile};
 use truecut_plan::surface_path::{Contact, Part, Segment, joint_cells};
 use truecut_recording::{Frame, Scene};
 
@@ -24,8 +24,10 @@ pub fn few(frames: &[Frame]) -> Vec<Frame> {
 
 /// Writes the figure first, then the path, then the program.
 pub fn write(answer: &PlannedPath<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let program = program(answer)?;
     let folder = out.join(answer.job.stem());
+    let setup = &answer.job.program;
+    let program = program(answer)
+        .map_err(|failure| without_program(&folder, &setup.name, setup.dialect, failure))?;
     let (svg, points_csv) = (folder.join("path.svg"), folder.join("path.csv"));
     write_file(&svg, figure::figure(answer).to_svg().as_bytes())?;
     let html = folder.join("path.html");
@@ -60,14 +62,63 @@ pub fn programs(
             written.push(file);
             continue;
         }
-        match std::fs::remove_file(&file) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Failure::at(&file, error));
-            }
-            _ => {}
-        }
+        take_away(&file)?;
     }
     Ok(written)
+}
+
+/// Takes the program of an earlier call away where this one comes to none, and passes on why: what
+/// stayed would be taken for a program of what is asked for now.
+pub fn without_program(
+    folder: &Path,
+    name: &str,
+    dialect: &dyn Dialect,
+    failure: Failure,
+) -> Failure {
+    for file in earlier_program(folder, name, dialect) {
+        if let Err(fault) = take_away(&file) {
+            return fault;
+        }
+    }
+    failure
+}
+
+/// Letters of a job's name, where the program's own was too long for it.
+const FULL_NAME: usize = 8;
+
+/// Files of an earlier program of this name that are there, with the parts of a long job.
+fn earlier_program(folder: &Path, name: &str, dialect: &dyn Dialect) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for ending in dialect.extensions() {
+        let file = folder.join(format!("{name}.{ending}"));
+        let bytes = truecut_files::read(&file).unwrap_or_default();
+        let text = String::from_utf8_lossy(&bytes);
+        // They are called as much of the name as there is room for, and a number of two digits or
+        // more. Other jobs that it calls are not of this program.
+        let is_part = |job: &&str| {
+            let number = job.strip_prefix(name).unwrap_or_default();
+            let is_numbered = number.len() >= 2 && number.bytes().all(|c| c.is_ascii_digit());
+            let stem = job.trim_end_matches(|c: char| c.is_ascii_digit());
+            let is_cut = !stem.is_empty() && name.starts_with(stem) && job.len() == FULL_NAME;
+            is_numbered || is_cut && name.len() > FULL_NAME - 2
+        };
+        let called = text
+            .lines()
+            .filter_map(|line| line.trim().strip_prefix("CALL JOB:"));
+        let parts = called.filter(is_part);
+        files.extend(parts.map(|part| folder.join(format!("{part}.{ending}"))));
+        files.push(file);
+    }
+    files.retain(|file| file.is_file());
+    files
+}
+
+/// Removes a file, if it is there.
+fn take_away(file: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(file) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Failure::at(file, error)),
+        _ => Ok(()),
+    }
 }
 
 /// The path as a page.

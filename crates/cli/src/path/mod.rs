@@ -77,7 +77,12 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     }
     let job = PathJob::load(&arguments.file)?;
     let inputs = Inputs::load(&job)?;
-    let answer = answer(&job, &inputs)?;
+    let (head, cell) = head_and_cell(&job, &inputs)?;
+    let answer = answer(&job, &inputs, head, cell).map_err(|failure| {
+        let folder = arguments.out.join(job.stem());
+        let setup = &job.program;
+        files::without_program(&folder, &setup.name, setup.dialect, failure)
+    })?;
     let written = files::write(&answer, &arguments.out)?;
     crate::print(&text::printed(&answer, &written))?;
     Ok(match answer.holds() {
@@ -86,15 +91,24 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     })
 }
 
-fn answer<'a>(job: &'a PathJob, inputs: &'a Inputs) -> Result<PlannedPath<'a>, Failure> {
-    let progress = Progress::new(4, "path");
-    // First what a look at the files tells.
+/// First what a look at the files tells: a fault of theirs leaves an earlier answer as it is.
+fn head_and_cell(job: &PathJob, inputs: &Inputs) -> Result<(Program, Option<Cell>), Failure> {
     let setup = &job.program;
     let name = setup.dialect.check_name(&setup.name);
     name.map_err(|fault| job.problem("program.name", fault.to_string()))?;
     let head = setup.head(&inputs.robot);
     let head = head.map_err(|fault| job.problem("program", fault.to_string()))?;
     let cell = cell(job, inputs, &head)?;
+    Ok((head, cell))
+}
+
+fn answer<'a>(
+    job: &'a PathJob,
+    inputs: &'a Inputs,
+    head: Program,
+    cell: Option<Cell>,
+) -> Result<PlannedPath<'a>, Failure> {
+    let progress = Progress::new(4, "path");
     let run = progress.run();
     let path = (job.path.lines(&job.wheel, &inputs.patch)).map_err(|error| refused(job, &error))?;
     drop(run);

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::series::{Estimate, Pair, mean, rms};
+use super::series::{Estimate, Pair, centred, mean, rms};
 use crate::stats::{Background, counted, sum_covariance};
 
 /// Size of the residual, measured minus simulated.
@@ -10,7 +10,8 @@ use crate::stats::{Background, counted, sum_covariance};
 pub struct Level {
     /// Valid samples.
     pub samples: usize,
-    /// Effective number of independent samples: the residual's variance over that of its mean.
+    /// Effective number of independent samples: the residual's variance over the square of the
+    /// standard error of its mean.
     pub effective_samples: f64,
     /// Root of the mean square residual, SI.
     pub rms_error: f64,
@@ -31,12 +32,16 @@ pub fn level(pair: &Pair<'_>, residual: &[f64], background: Option<&Background>)
     let samples = pair.valid.iter().filter(|valid| **valid).count();
     let rms_error = rms(residual, pair.valid);
     let bias = mean(residual, pair.valid);
-    let variance = rms_error * rms_error - bias * bias;
+    let variance = rms(&centred(residual, pair.valid), pair.valid).powi(2);
     let (standard_error, degrees) = standard_error_of_mean(pair.valid, background);
+    // A spectrum that dips at frequency 0 may do so by chance: samples count for no more than if
+    // they were independent.
+    let standard_error = standard_error.max((variance / samples.max(1) as f64).sqrt());
+    let bias = Estimate::new(bias, 0.0, standard_error, degrees);
     let measured = || counted(pair.measured, pair.valid);
     let range =
         measured().fold(f64::NEG_INFINITY, f64::max) - measured().fold(f64::INFINITY, f64::min);
-    let effective = variance / (standard_error * standard_error);
+    let effective = variance / bias.standard_error.powi(2);
     Level {
         samples,
         effective_samples: if effective.is_nan() {
@@ -47,7 +52,7 @@ pub fn level(pair: &Pair<'_>, residual: &[f64], background: Option<&Background>)
         rms_error,
         nrmse: rms_error / range,
         relative_rms_error: rms_error / rms(pair.measured, pair.valid),
-        bias: Estimate::new(bias, 0.0, standard_error, degrees),
+        bias,
         largest_error: residual
             .iter()
             .fold(0.0, |largest: f64, r| largest.max(r.abs())),
@@ -64,6 +69,6 @@ fn standard_error_of_mean(valid: &[bool], background: Option<&Background>) -> (f
         .map(|valid| f64::from(u8::from(*valid)))
         .collect();
     let count: f64 = ones.iter().sum();
-    let covariance = sum_covariance(&[ones], background);
+    let covariance = sum_covariance(&[ones], &background.clone().levelled());
     (covariance.matrix[(0, 0)].sqrt() / count, covariance.degrees)
 }

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use truecut_recording::ChannelSpec;
 
-use crate::stats::distributions::t_tail;
+use crate::stats::distributions::{t_quantile, t_tail};
 
 /// A measured and the simulated channel, at the same uniform times.
 #[derive(Clone, Copy, Debug)]
@@ -68,25 +68,31 @@ impl Explanatory {
 pub struct Estimate {
     /// The number.
     pub value: f64,
-    /// Its standard error under coloured noise.
+    /// Its standard error under coloured noise, as one reads it: the 95 % interval reaches 1.96 of
+    /// it to either side. It includes that the noise's spectrum is known with few degrees of
+    /// freedom.
     pub standard_error: f64,
-    /// Degrees of freedom of the standard error.
+    /// Degrees of freedom of the noise's spectrum; the interval follows Student's law with so many.
     pub degrees_of_freedom: f64,
     /// Two-sided p-value of the neutral value.
     pub p_value: f64,
 }
 
+/// Half the 95 % interval, in the standard error of a normal variable.
+const NORMAL: f64 = 1.959_964;
+
 impl Estimate {
-    pub(super) fn new(value: f64, neutral: f64, standard_error: f64, degrees: f64) -> Estimate {
+    /// The error of `value` over `scale` follows Student's law with so many degrees of freedom.
+    pub(super) fn new(value: f64, neutral: f64, scale: f64, degrees: f64) -> Estimate {
         let distance = (value - neutral).abs();
         let p_value = if distance == 0.0 {
             1.0
         } else {
-            (2.0 * t_tail(distance / standard_error, degrees)).min(1.0)
+            (2.0 * t_tail(distance / scale, degrees)).min(1.0)
         };
         Estimate {
             value,
-            standard_error,
+            standard_error: scale * t_quantile(0.05, degrees) / NORMAL,
             degrees_of_freedom: degrees.min(1e6),
             p_value,
         }

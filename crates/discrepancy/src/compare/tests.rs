@@ -5,6 +5,7 @@ use crate::testing::{Colour, noise};
 use std::f64::consts::TAU;
 use truecut_recording::ChannelSpec;
 
+mod bias;
 mod delays;
 mod whole;
 

@@ -16,7 +16,7 @@ use super::ambiguity::{Rival, experiments, rivals};
 use super::answer::{Diagnosis, VERSION, Verdict, names};
 use super::ceiling::{Bound, bound as bound_on};
 use super::curve::Shown;
-use super::doubts::{at_bound, doubts};
+use super::doubts::{at_bound, doubts, unrelated};
 use super::evidence::{alternative, causes, invisible, nominal, smallest_seen, visible};
 use super::fit::{Fit, fit};
 use super::floor::NoiseSource;
@@ -176,6 +176,8 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
     diagnosis.causes = causes(problem, last, &errors)?;
     diagnosis.nominal = nominal(problem, last, &errors);
     diagnosis.doubts = doubts(problem, last);
+    let unrelated = diagnosis.causes.iter().filter_map(unrelated);
+    diagnosis.doubts.extend(unrelated);
     let rivals = match last.point.effects.is_empty() {
         true => Vec::new(),
         false => rivals(problem, outcome, &outcome.rivals),

@@ -1,12 +1,12 @@
 //! What is to be doubted about named causes: that they cancel one another, or lie at a bound.
 
-use super::answer::{key_and_unit, target_name};
+use super::answer::{Cause, key_and_unit, target_name};
 use super::fit::Fit;
 use super::noise::{add_columns, dot};
 use super::problem::Problem;
 use crate::model::Columns;
 use crate::stats::deviation;
-use truecut_scenario::effect::ParameterInfo;
+use truecut_scenario::effect::{EffectKind, ParameterInfo};
 
 /// Whether a value lies at an end of where it was looked for. What is gone altogether is no such
 /// end: no friction, a sensor that is dead.
@@ -70,6 +70,19 @@ pub(super) fn doubts(problem: &Problem, fit: &Fit) -> Vec<String> {
         }
     }
     found
+}
+
+/// A sensor whose gain may be 0 shows nothing of what is simulated for it.
+pub(super) fn unrelated(cause: &Cause) -> Option<String> {
+    let gain = cause.parameters.values().next()?;
+    let holds_zero = gain.low? <= 0.0 && gain.high? >= 0.0;
+    let channel = cause.target.as_ref()?;
+    (holds_zero && cause.kind == EffectKind::SensorGain.name()).then(|| {
+        format!(
+            "`{channel}` has nothing to do with what is simulated for it (its gain may be 0): look whether its column is \
+             another channel's, swapped, or dead"
+        )
+    })
 }
 
 /// Whether two changes of a channel are each beyond what it does, and next to nothing together.

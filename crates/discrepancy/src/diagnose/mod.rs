@@ -55,6 +55,7 @@ mod validate;
 use std::time::Instant;
 
 use thiserror::Error;
+use truecut_recording::ChannelSpec;
 use truecut_scenario::effect::Effect;
 
 pub(crate) use self::set_up::doubt as set_up_doubt;
@@ -190,16 +191,20 @@ pub enum DiagnoseError {
         suspicion: UnitSuspicion,
     },
     /// Nothing fits as it is, and much does in another set-up.
-    #[error("{told} Else: {otherwise}")]
+    #[error("{told}{}", beside(.otherwise.as_deref()))]
     SetUp {
-        /// Which one, and how well it fits.
+        /// What leaves least, a set-up or a unit, and how well it fits.
         told: String,
-        /// What stands against the data as they are.
-        otherwise: String,
+        /// The other, unless it leaves far more.
+        otherwise: Option<String>,
     },
     /// The nominal model itself cannot be run.
     #[error("the nominal model cannot be simulated: {0}")]
     Nominal(#[from] PredictError),
+}
+
+fn beside(otherwise: Option<&str>) -> String {
+    otherwise.map_or_else(String::new, |told| format!(" Else: {told}"))
 }
 
 /// The diagnosis with what is needed to draw and to extend.
@@ -304,13 +309,14 @@ pub(crate) fn clock_or_unit(
     before: &Columns,
     error: DiagnoseError,
 ) -> DiagnoseError {
-    match set_up_doubt(model, data, before) {
-        Some(told) => DiagnoseError::SetUp {
-            told,
-            otherwise: error.to_string(),
-        },
-        None => error,
+    let mut in_units = before.clone();
+    let rows = model.channels().iter().zip(&data.outputs);
+    for ((spec, output), simulated) in rows.zip(&mut in_units) {
+        if let Some(found) = wrong_unit(spec, output, simulated) {
+            simulated.iter_mut().for_each(|x| *x /= found.factor);
+        }
     }
+    set_up::or_units(model, data, [before, &in_units], error)
 }
 
 /// Refuses channels with a huge residual that another unit would remove.
@@ -321,17 +327,7 @@ pub(crate) fn check_units(
 ) -> Result<(), DiagnoseError> {
     let rows = model.channels().iter().zip(&data.outputs).zip(before);
     for ((spec, output), simulated) in rows {
-        let measured = output.values.iter().zip(&output.valid);
-        let pair = Pair {
-            spec,
-            measured: &measured
-                .map(|(value, valid)| if *valid { *value } else { 0.0 })
-                .collect::<Vec<_>>(),
-            valid: &output.valid,
-            simulated,
-            noise: output.noise,
-        };
-        if let Some(suspicion) = unit_suspicion(&pair) {
+        if let Some(suspicion) = wrong_unit(spec, output, simulated) {
             return Err(DiagnoseError::Unit {
                 channel: spec.name.clone(),
                 suspicion,
@@ -339,6 +335,21 @@ pub(crate) fn check_units(
         }
     }
     Ok(())
+}
+
+/// Another unit of a channel that would remove a huge residual.
+fn wrong_unit(spec: &ChannelSpec, output: &Output, simulated: &[f64]) -> Option<UnitSuspicion> {
+    let measured = output.values.iter().zip(&output.valid);
+    let measured: Vec<f64> = measured
+        .map(|(value, valid)| if *valid { *value } else { 0.0 })
+        .collect();
+    unit_suspicion(&Pair {
+        spec,
+        measured: &measured,
+        valid: &output.valid,
+        simulated,
+        noise: output.noise,
+    })
 }
 
 #[cfg(test)]

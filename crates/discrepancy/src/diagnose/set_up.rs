@@ -3,7 +3,7 @@
 
 use truecut_recording::significant;
 
-use super::Observation;
+use super::{DiagnoseError, Observation};
 use crate::model::{Columns, Model};
 use crate::stats::deviation;
 
@@ -13,8 +13,16 @@ const FAR_LESS: f64 = 0.5;
 /// What leaves less than this part of the drive forces has no need of another set-up.
 const ENOUGH: f64 = 0.01;
 
+/// What leaves so many times as much as the best is not told beside it.
+const HOPELESS: f64 = 10.0;
+
 /// The set-up that explains far more than `after`, in one sentence.
 pub(crate) fn doubt(model: &dyn Model, data: &Observation, after: &Columns) -> Option<String> {
+    best(model, data, after).map(|(_, told)| told)
+}
+
+/// What that set-up leaves, and the sentence.
+fn best(model: &dyn Model, data: &Observation, after: &Columns) -> Option<(f64, String)> {
     let now = left(data, after);
     if now < ENOUGH || now.is_nan() {
         return None;
@@ -23,13 +31,41 @@ pub(crate) fn doubt(model: &dyn Model, data: &Observation, after: &Columns) -> O
     let (best, told) = sized.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let percent = |part: f64| significant(100.0 * part, 2);
     (best < FAR_LESS * now).then(|| {
-        format!(
+        let told = format!(
             "Look at the set-up first: if {told}, {} % of the outputs is left with nothing but friction fitted, and {} % \
              as it is.",
             percent(best),
             percent(now)
-        )
+        );
+        (best, told)
     })
+}
+
+/// A factor on drive forces may be what a clock does to them: units and the best set-up, that which
+/// leaves less first. `in_units` is what the model predicts in the units that were meant.
+pub(super) fn or_units(
+    model: &dyn Model,
+    data: &Observation,
+    [before, in_units]: [&Columns; 2],
+    units: DiagnoseError,
+) -> DiagnoseError {
+    let Some((by_set_up, told)) = best(model, data, before) else {
+        return units;
+    };
+    let by_units = left(data, in_units);
+    if HOPELESS * by_units < by_set_up {
+        return units;
+    }
+    if by_units < by_set_up {
+        return DiagnoseError::SetUp {
+            told: format!("{units}."),
+            otherwise: Some(told),
+        };
+    }
+    DiagnoseError::SetUp {
+        told,
+        otherwise: (by_units <= HOPELESS * by_set_up).then(|| units.to_string()),
+    }
 }
 
 /// Root mean square over the channels of what is left over what the channel does.

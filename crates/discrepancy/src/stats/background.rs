@@ -18,6 +18,8 @@ pub struct Background {
     bin_width: f64,
     stretch: f64,
     fits: Vec<LocalLine>,
+    /// Through the lowest bins, [`WIDER`] times as many as a line has.
+    wide: LocalLine,
     /// Variance of the logarithm of one bin, including correlation of neighbours by the window.
     scatter: f64,
 }
@@ -97,6 +99,11 @@ fn shared(degrees: f64) -> f64 {
 /// Largest fraction of a bin's noise that a regression may remove for the bin to be used.
 const MOST_REMOVED: f64 = 0.5;
 
+/// How many times as many bins the slope at low frequencies is looked for in, too.
+const WIDER: usize = 4;
+/// A slope of fewer standard errors than this may be chance.
+const BY_CHANCE: f64 = 2.5;
+
 /// Bins on either side of an outlier that it may affect.
 const LOBE: usize = 2;
 
@@ -138,6 +145,7 @@ impl Background {
             bin_width,
             stretch: width as f64 * bin_width,
             fits: Vec::new(),
+            wide: LocalLine::default(),
             scatter: trigamma(half) * shared(periodogram.degrees),
         };
         for _ in 0..8 {
@@ -156,7 +164,23 @@ impl Background {
         background.fits = (0..=last)
             .map(|bin| sums.fit(bin.max(1), width, 0))
             .collect();
+        background.wide = sums.fit(1, (WIDER * width).min(last), 0);
         Some(background)
+    }
+
+    /// The same without a slope at the lowest frequencies where none is clear: a line that is
+    /// extrapolated by a slope of chance is off by several times at frequency 0.
+    pub fn levelled(mut self) -> Background {
+        let lowest = self.fits[1];
+        let limit = BY_CHANCE * BY_CHANCE * self.scatter;
+        let by_chance = |fit: &LocalLine| fit.slope.powi(2) * fit.spread <= limit;
+        if by_chance(&lowest) && by_chance(&self.wide) {
+            let mut level = lowest;
+            (level.slope, level.spread) = (0.0, f64::INFINITY);
+            let same = self.fits.iter_mut().filter(|fit| **fit == lowest);
+            same.for_each(|fit| *fit = level);
+        }
+        self
     }
 
     /// Of a series: from its plain periodogram.

@@ -9,7 +9,7 @@ use truecut_scenario::effect::{Effect, EffectKind, Target};
 use truecut_sim::InverseModel;
 
 use super::Trial;
-use crate::diagnose::set_up_doubt;
+use crate::diagnose::{check_units, clock_or_unit, set_up_doubt};
 use crate::model::Model;
 use crate::testing;
 
@@ -241,4 +241,24 @@ fn another_set_up_is_told_and_a_cause_is_none() {
         values: vec![4.0, 0.0, 0.0, 0.1],
     };
     assert_eq!(told(&swung(floor, 1.0, &[payload])), None);
+}
+
+/// Of a unit and a set-up that both explain the data what leaves less is told first, and what
+/// leaves far more not at all.
+#[test]
+fn a_reversed_torque_is_told_as_such() {
+    let (scenario, mut measured) = swung([0.0, 0.0, -1.0], 1.0, &[]);
+    for value in &mut measured.channels[3].values {
+        *value = -*value;
+    }
+    let trial = Trial::new(&scenario, &measured).unwrap_or_else(|e| panic!("{e}"));
+    let before = trial.predict(&[], &[]).unwrap();
+    let data = &trial.observation;
+    let error = check_units(&trial, data, &before).unwrap_err();
+    let told = clock_or_unit(&trial, data, &before, error).to_string();
+    assert!(
+        told.starts_with("channel \"joint2.drive_torque\"") && told.contains("sign is reversed"),
+        "{told}"
+    );
+    assert!(!told.contains("Else"), "{told}");
 }

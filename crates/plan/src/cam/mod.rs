@@ -46,7 +46,7 @@ pub struct CamPoint {
     pub attitude: Attitude,
     /// On the way there; `None` in rapid traverse.
     pub feed_m_per_s: Option<f64>,
-    /// The tool stops there.
+    /// The tool stops there. Points within an arc are no ends of a block: it passes them.
     pub stops: bool,
 }
 

@@ -6,7 +6,9 @@ use truecut_discrepancy::between::{Answer, Between, Changed, ChangedParameter, C
 use truecut_recording::significant;
 
 use super::files::Written;
-use crate::diagnose::text::{held_out, name, odds, rows_of_errors, smallest, titled, with_unit};
+use crate::diagnose::text::{
+    held_out, name, odds, rows_of_errors, smallest, titled, to_within, with_unit,
+};
 use crate::text::{self, Align};
 
 /// The verdict with what it is about: to be read first.
@@ -61,9 +63,9 @@ pub fn compared(found: &Changes) -> String {
     }
 }
 
-/// Before, after, change with its interval.
+/// Before, after, change with its interval. A change is not rounded away.
 pub fn estimates(parameter: &ChangedParameter) -> [String; 3] {
-    let number = |value: f64| significant(value, 4);
+    let number = |value: f64| to_within(value, parameter.change);
     let change = match (parameter.low, parameter.high) {
         (Some(low), Some(high)) => with_unit(
             &format!(

@@ -28,6 +28,33 @@ fn estimates_carry_their_unit_and_factors_none() {
     assert_eq!(with_unit("0.300", "1"), "0.300");
 }
 
+/// A finding is not rounded away: a clock that is 0.03 % fast, a gap known to a thousandth.
+#[test]
+fn estimates_show_their_interval_and_how_far_they_are_from_one() {
+    let shown = |value, width, unit| estimate(&parameter(value, width, unit));
+    assert_eq!(
+        shown(1.00033, Some(4e-5), Unit::One),
+        "1.000330 (1.000290 to 1.000370)"
+    );
+    // not bounded, or wider than what it is off by
+    assert_eq!(
+        shown(1.00033, None, Unit::One),
+        "1.00033 (not bounded by the data)"
+    );
+    assert_eq!(
+        shown(1.00033, Some(5e-4), Unit::One),
+        "1.00033 (0.99983 to 1.00083)"
+    );
+    assert_eq!(
+        shown(0.0011965, Some(2.5e-6), Unit::Radian),
+        "0.0011965 (0.0011940 to 0.0011990) rad"
+    );
+    assert_eq!(
+        shown(0.0, Some(0.5), Unit::NewtonMetre),
+        "0 (-0.5000 to 0.5000) N m"
+    );
+}
+
 #[test]
 fn an_explanation_is_behind_by_what_put_it_there() {
     let other = Alternative {

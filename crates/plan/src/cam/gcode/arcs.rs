@@ -7,11 +7,12 @@ use nalgebra::{UnitVector3, Vector3};
 use super::ARC_CLOSES_M;
 use super::state::{MotionMode, State};
 use crate::arc::Arc;
-use crate::cam::direction;
+use crate::cam::{CamPoint, direction};
 use crate::program::ProgramErrorKind;
 
 impl State<'_> {
-    /// Adds an arc to the path, as points between which chords keep to the tolerance.
+    /// Adds an arc to the path, as points between which chords keep to the tolerance. Those before
+    /// its end are passed without a stop.
     pub(super) fn arc(
         &mut self,
         values: &BTreeMap<char, f64>,
@@ -72,7 +73,13 @@ impl State<'_> {
         for k in 1..count {
             let share = k as f64 / count as f64;
             let axis = from_axis.into_inner().lerp(&self.axis, share);
-            self.push(arc.at(share), direction(axis)?, feed, line);
+            let point = self.point(arc.at(share), direction(axis)?, feed, line);
+            // A control stops where a block ends: how many chords an arc has is none of its.
+            let passed = CamPoint {
+                stops: false,
+                ..point
+            };
+            self.path.points.push(passed);
         }
         self.push(to, self.axis, feed, line);
         Ok(())

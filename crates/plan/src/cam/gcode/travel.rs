@@ -178,7 +178,7 @@ impl State<'_> {
         self.path.points.push(point);
     }
 
-    fn point(
+    pub(super) fn point(
         &self,
         place_m: Vector3<f64>,
         axis: UnitVector3<f64>,
