@@ -83,9 +83,6 @@ pub fn without_program(
     failure
 }
 
-/// Letters of a job's name, where the program's own was too long for it.
-const FULL_NAME: usize = 8;
-
 /// Files of an earlier program of this name that are there, with the parts of a long job.
 fn earlier_program(folder: &Path, name: &str, dialect: &dyn Dialect) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -93,19 +90,7 @@ fn earlier_program(folder: &Path, name: &str, dialect: &dyn Dialect) -> Vec<Path
         let file = folder.join(format!("{name}.{ending}"));
         let bytes = truecut_files::read(&file).unwrap_or_default();
         let text = String::from_utf8_lossy(&bytes);
-        // They are called as much of the name as there is room for, and a number of two digits or
-        // more. Other jobs that it calls are not of this program.
-        let is_part = |job: &&str| {
-            let number = job.strip_prefix(name).unwrap_or_default();
-            let is_numbered = number.len() >= 2 && number.bytes().all(|c| c.is_ascii_digit());
-            let stem = job.trim_end_matches(|c: char| c.is_ascii_digit());
-            let is_cut = !stem.is_empty() && name.starts_with(stem) && job.len() == FULL_NAME;
-            is_numbered || is_cut && name.len() > FULL_NAME - 2
-        };
-        let called = text
-            .lines()
-            .filter_map(|line| line.trim().strip_prefix("CALL JOB:"));
-        let parts = called.filter(is_part);
+        let parts = dialect.parts(name, &text).into_iter();
         files.extend(parts.map(|part| folder.join(format!("{part}.{ending}"))));
         files.push(file);
     }

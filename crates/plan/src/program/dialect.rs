@@ -84,6 +84,11 @@ pub trait Dialect: Debug + Sync {
         robot: &Robot,
         settings: &Settings,
     ) -> Result<Vec<ProgramFile>, ProgramError>;
+    /// Names of the jobs of their own into which a long program was split when it was written, by
+    /// the text of its first file. By default a program is one file.
+    fn parts(&self, _name: &str, _first_file: &str) -> Vec<String> {
+        Vec::new()
+    }
     /// Reads a program from `file` and those that it names.
     ///
     /// # Errors

@@ -141,6 +141,10 @@ impl Dialect for Jbi {
         super::write(program, robot, &options)
     }
 
+    fn parts(&self, name: &str, caller: &str) -> Vec<String> {
+        super::write::parts_called(name, caller)
+    }
+
     /// A job, with those that it calls at the places of the calls.
     fn read(
         &self,

@@ -58,6 +58,21 @@ fn part_names(name: &str, count: usize) -> Result<Vec<String>, ProgramErrorKind>
     Ok(names)
 }
 
+/// Jobs that a caller names and that are parts of the program of this name, as [`part_names`] has
+/// them. Others that it calls belong to somebody else.
+pub(super) fn parts_called(name: &str, caller: &str) -> Vec<String> {
+    let lines = caller.lines().map(str::trim);
+    let called = lines.filter_map(|line| line.strip_prefix("CALL JOB:"));
+    let is_part = |job: &&str| {
+        (2..NAME_CHARS).any(|digits| {
+            let stem: String = name.chars().take(NAME_CHARS - digits).collect();
+            let number = job.strip_prefix(&*stem).unwrap_or_default();
+            number.len() == digits && number.bytes().all(|c| c.is_ascii_digit())
+        })
+    };
+    called.filter(is_part).map(str::to_owned).collect()
+}
+
 struct JobWriter<'a> {
     program: &'a Program,
     robot: &'a Robot,
@@ -316,5 +331,25 @@ fn file(name: &str, lines: &[String]) -> ProgramFile {
     ProgramFile {
         name: format!("{name}.JBI"),
         text: lines.join("\r\n") + "\r\n",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever parts a job is split into, its caller's lines name them all, and no other job.
+    #[test]
+    fn parts_are_known_by_their_caller() {
+        for name in ["C", "SPOKE", "SPOKE12", "POCKET_A", "A123456X"] {
+            for count in [1, 9, 10, 99, 100, 250] {
+                let parts = part_names(name, count).expect("names");
+                let line = |job: &String| format!("CALL JOB:{job}\r\n");
+                let own: String = parts.iter().map(line).collect();
+                let caller =
+                    format!("NOP\r\nCALL JOB:GRIP\r\n{own}CALL JOB:{name}\r\nCALL JOB:12\r\n");
+                assert_eq!(parts_called(name, &caller), parts, "{name}, {count}");
+            }
+        }
     }
 }
