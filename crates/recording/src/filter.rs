@@ -150,6 +150,16 @@ impl SecondOrderSection {
 /// Weights of the differences across one, two and three intervals in a derivative that is exact for
 /// polynomials up to the sixth degree (`fornberg1988`, table 1).
 const SIXTH_ORDER: [f64; 3] = [3.0 / 2.0, -3.0 / 5.0, 1.0 / 10.0];
+/// Likewise, in the derivative at the middle of the polynomial of fourth degree that fits seven
+/// samples best (`savitzky1964`).
+const OVER_SEVEN: [f64; 3] = [29.0 / 63.0, 67.0 / 63.0, -11.0 / 21.0];
+/// The same of nine samples.
+const OVER_NINE: [f64; 4] = [
+    126.0 * 2.0 / 1188.0,
+    193.0 * 4.0 / 1188.0,
+    142.0 * 6.0 / 1188.0,
+    -86.0 * 8.0 / 1188.0,
+];
 
 /// Derivative of uniform samples: central differences; at both ends the difference of two samples,
 /// since a formula of higher order there would multiply noise. At a frequency of x radians an
@@ -175,14 +185,39 @@ pub fn differentiate(values: &[f64], interval_s: f64) -> Vec<f64> {
 /// # Panics
 /// If the interval is not positive.
 pub fn differentiate_sixth_order(values: &[f64], interval_s: f64) -> Vec<f64> {
+    differentiate_across(values, interval_s, &SIXTH_ORDER)
+}
+
+/// Derivative of uniform samples that smooths: of the polynomial of fourth degree through seven
+/// samples. Small by 131 x^4 / 630 at a frequency of x radians an interval: less than
+/// [`differentiate`] up to x = 0.9. Beyond, where noise is, it passes less of it. Within three
+/// samples of an end it is the same.
+///
+/// # Panics
+/// If the interval is not positive.
+pub fn differentiate_over_seven(values: &[f64], interval_s: f64) -> Vec<f64> {
+    differentiate_across(values, interval_s, &OVER_SEVEN)
+}
+
+/// As [`differentiate_over_seven`], through nine samples: small by 179 x^4 / 270, less than
+/// [`differentiate`] up to x = 0.5.
+///
+/// # Panics
+/// If the interval is not positive.
+pub fn differentiate_over_nine(values: &[f64], interval_s: f64) -> Vec<f64> {
+    differentiate_across(values, interval_s, &OVER_NINE)
+}
+
+/// Weighted differences across one, two and more intervals.
+fn differentiate_across(values: &[f64], interval_s: f64, weights: &[f64]) -> Vec<f64> {
     let mut slopes = differentiate(values, interval_s);
-    let reach = SIXTH_ORDER.len();
+    let reach = weights.len();
     for k in reach..values.len().saturating_sub(reach) {
         let across = |steps: usize| {
             (values[k + steps] - values[k - steps]) / (2.0 * steps as f64 * interval_s)
         };
         slopes[k] = (1..)
-            .zip(SIXTH_ORDER)
+            .zip(weights)
             .map(|(steps, weight)| weight * across(steps))
             .sum();
     }
@@ -319,6 +354,22 @@ mod tests {
             assert!(
                 (central / (x.powi(2) / 6.0) - 1.0).abs() < 0.06,
                 "{central} at {x}"
+            );
+            let over_seven = found(differentiate_over_seven(&wave, 1.0));
+            let said = 131.0 / 630.0 * x.powi(4);
+            let is_near = (over_seven - said).abs() < 0.25 * said + 1e-12;
+            assert!(is_near || x > 0.6, "{over_seven}, {said} at {x}");
+            assert!(over_seven < central || x > 0.9, "{over_seven}, {central}");
+            let smoothing = found(differentiate_over_nine(&wave, 1.0));
+            let said = 179.0 / 270.0 * x.powi(4);
+            let is_near = (smoothing - said).abs() < 0.25 * said + 1e-12;
+            assert!(is_near || x > 0.6, "{smoothing}, {said} at {x}");
+            // They are alike at x = 0.52.
+            let is_nearer = smoothing < central || x > 0.55;
+            assert!(is_nearer, "{smoothing}, {central} at {x}");
+            assert!(
+                smoothing > central || x < 0.55,
+                "{smoothing}, {central} at {x}"
             );
             let sixth = found(differentiate_sixth_order(&wave, 1.0));
             let said = x.powi(6) / 140.0;

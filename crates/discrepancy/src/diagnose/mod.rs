@@ -44,6 +44,7 @@ mod screen;
 mod search;
 mod set_up;
 mod signature;
+mod simpler;
 mod smooth;
 mod span;
 mod step;

@@ -136,6 +136,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
     if search.delays(&mut outcome)? && count(&outcome) < most {
         search.ascend(&mut outcome, most)?;
     }
+    search.simplify(&mut outcome)?;
     outcome.united = united(problem, &outcome);
     outcome.failed = search.failed && outcome.chosen.point.effects.is_empty();
     outcome.fits = search.fits;

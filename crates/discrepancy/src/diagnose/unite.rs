@@ -7,7 +7,7 @@ use super::search::Outcome;
 
 /// What one effect may fall short of two, as minus twice a log-likelihood: where both say the same,
 /// their fits end within less.
-const AS_WELL: f64 = 1.0;
+pub(super) const AS_WELL: f64 = 1.0;
 
 /// Models with one effect in place of two, one of which it holds as a limit, that do as well with
 /// no more numbers: dry friction beside a constant force is dry friction that differs between the

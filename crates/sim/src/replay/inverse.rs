@@ -1,11 +1,11 @@
 //! Measured motion in, drive forces out.
 //!
 //! The coordinates go through a zero-phase Butterworth filter of fourth order and are
-//! differentiated twice by differences (central ones of second order as published, of sixth order
-//! where a period of the cutoff has fewer than five samples). The rigid arm's inverse dynamics,
-//! its rotors and its friction give the drive forces; these and the measured ones go through one
-//! and the same second filter, so that neither leads nor lags. The practice is that of
-//! `gautier1997` and `janot2014`.
+//! differentiated twice by differences: of a polynomial of fourth degree through nine samples,
+//! through seven where a period of the cutoff has fewer than ten, of sixth order where it has
+//! fewer than five. The rigid arm's inverse dynamics, its rotors and its friction give the drive
+//! forces; these and the measured ones go through one and the same second filter, so that neither
+//! leads nor lags. The practice is that of `gautier1997` and `janot2014`.
 
 mod limits;
 mod set_ups;

@@ -8,13 +8,18 @@ use nalgebra::Vector3;
 use truecut_arm::{Dynamics, Robot};
 use truecut_plan::motion::excitation::SampledMotion;
 use truecut_recording::Role;
-use truecut_recording::filter::{Butterworth, differentiate, differentiate_sixth_order};
+use truecut_recording::filter::{
+    Butterworth, differentiate_over_nine, differentiate_over_seven, differentiate_sixth_order,
+};
 
-/// Samples in a period of the cutoff from which on central differences are taken, as published
-/// (`gautier1997`, `janot2014`): they pass less noise. In fewer they make accelerations small that
-/// the filter lets pass: by .13 % for a motion of 0.6 Hz at 60 Hz, which was told as a gain of
-/// every drive force.
-const CENTRAL_FROM: f64 = 5.0;
+/// Samples in a period of the cutoff from which on differences smooth: what they take from
+/// accelerations that the filter lets pass is less than it lets pass of noise. Central differences,
+/// as published (`gautier1997`, `janot2014`), take .13 % from those of a motion of 1 Hz at 100 Hz,
+/// which was told as gains, or as a clock that runs fast.
+const SMOOTHING_FROM: f64 = 5.0;
+/// The same from which on they smooth over nine samples, not seven: what the filter lets pass lies
+/// lower then, and noise beside it as well.
+const OVER_NINE_FROM: f64 = 10.0;
 
 /// Motion of every joint, `[joint][sample]`, and the gravity that it happens under.
 #[derive(Debug, Clone)]
@@ -30,10 +35,10 @@ impl Motion {
     pub fn new(robot: &Robot, source: &Source<'_>, cutoff_hz: f64) -> Result<Motion, SimError> {
         let (rate_hz, interval) = (source.measured.rate_hz(), source.measured.interval_s());
         let smooth = Butterworth::low_pass(FILTER_ORDER, cutoff_hz, rate_hz);
-        let slope = if rate_hz < CENTRAL_FROM * cutoff_hz {
-            differentiate_sixth_order
-        } else {
-            differentiate
+        let slope = match rate_hz / cutoff_hz {
+            samples if samples < SMOOTHING_FROM => differentiate_sixth_order,
+            samples if samples < OVER_NINE_FROM => differentiate_over_seven,
+            _ => differentiate_over_nine,
         };
         let slopes = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
             columns
