@@ -200,7 +200,7 @@ pub fn differentiate_over_seven(values: &[f64], interval_s: f64) -> Vec<f64> {
 }
 
 /// As [`differentiate_over_seven`], through nine samples: small by 179 x^4 / 270, less than
-/// [`differentiate`] up to x = 0.5.
+/// [`differentiate`] up to x = 0.5. Within four samples of an end it is the same as that.
 ///
 /// # Panics
 /// If the interval is not positive.

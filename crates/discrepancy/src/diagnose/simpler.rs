@@ -1,11 +1,10 @@
 //! What a law holds as a limit, in its place.
 
-use rayon::prelude::*;
-
 use super::DiagnoseError;
 use super::choice::{criterion, stands_out_of_special};
-use super::fit::{Fit, fit};
+use super::fit::Fit;
 use super::problem::{Found, Point, Problem};
+use super::race::Race;
 use super::search::{Outcome, Search, settled};
 use super::unite::AS_WELL;
 
@@ -14,25 +13,20 @@ impl Search<'_, '_> {
     /// spoke for the larger one when it was added may have gone to those added since. Of more
     /// causes than are looked for one after the other, where effects that add up are the rule, two
     /// of these for one that says the same, too.
-    pub(super) fn simplify(&self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
+    pub(super) fn simplify(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
         let problem = self.problem;
-        let train = &problem.split.train;
         loop {
-            let here = criterion(problem, &outcome.chosen, &outcome.orders);
-            let ends = |points: Vec<Point>| -> Vec<Fit> {
-                let ends = points.into_par_iter().filter_map(|point| {
-                    let end = fit(problem, point, train, &outcome.orders, true);
-                    end.ok().filter(|end| end.converged)
-                });
-                ends.collect()
-            };
-            let value = |end: &Fit| criterion(problem, end, &outcome.orders);
-            let mut found = ends(simpler(problem, &outcome.chosen.point));
+            let orders = outcome.orders.clone();
+            let value = |end: &Fit| criterion(problem, end, &orders);
+            let here = value(&outcome.chosen);
+            let special = simpler(problem, &outcome.chosen.point);
+            let mut found = self.fit_all(special, &orders, Race::None(None));
             found.retain(|end| {
                 value(end) < here && !stands_out_of_special(problem, end, &outcome.chosen)
             });
             if found.is_empty() {
-                found = ends(divided(problem, &outcome.chosen.point));
+                let two = divided(problem, &outcome.chosen.point);
+                found = self.fit_all(two, &orders, Race::None(None));
                 found.retain(|end| value(end) <= here + AS_WELL);
             }
             let best = (found.into_iter()).min_by(|a, b| value(a).total_cmp(&value(b)));
