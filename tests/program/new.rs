@@ -200,3 +200,37 @@ fn what_is_given_is_taken() {
         assert!(!desk.path("a").exists(), "{call:?}");
     }
 }
+
+/// Arguments of the robot's file stand in the scenario, which reads the same robot.
+#[test]
+fn arguments_of_a_xacro_file_go_into_the_scenario() {
+    let desk = Desk::new();
+    let own = PathBuf::from(robot("rig_1dof"));
+    let text = std::fs::read_to_string(&own).unwrap();
+    let text = text.replacen(
+        "<robot name=\"rig_1dof\">",
+        "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\" name=\"rig_1dof\">\
+         <xacro:arg name=\"mass\" default=\"100\"/>",
+        1,
+    );
+    let text = text.replacen("name=\"carriage\"", "name=\"$(arg side)\"", 1);
+    let text = text.replace("link=\"carriage\"", "link=\"$(arg side)\"");
+    std::fs::write(desk.path("rig.xacro"), text).unwrap();
+    std::fs::copy(own.with_file_name("robot.toml"), desk.path("robot.toml")).unwrap();
+    let call = ["new", "load", "--robot", "rig.xacro"];
+    desk.refused(
+        &call,
+        &["\"side\"", "--arg side=VALUE", "`arguments` of [robot]"],
+    );
+    let unknown = ["--arg", "side=left", "--arg", "mas=50"];
+    desk.refused(&[&call[..], &unknown].concat(), &["did you mean \"mass\"?"]);
+    let given = ["--arg", "side=left", "--arg", "mass=50"];
+    desk.ends(0, &[&call[..], &given].concat());
+    let scenario = std::fs::read_to_string(desk.path("scenario.toml")).unwrap();
+    let key = "\narguments = { \"mass\" = \"50\", \"side\" = \"left\" }\n";
+    assert!(scenario.contains(key), "{scenario}");
+    desk.refused(
+        &["run", "scenario.toml", "--set", "robot.arguments.mas=50"],
+        &["did you mean \"mass\"?", "(given by --set)"],
+    );
+}

@@ -32,6 +32,9 @@ pub enum ArmErrorKind {
     XacroInUrdf { what: String },
     #[error("xacro: {0}")]
     Xacro(String),
+    /// An argument that is given, and that the file does not have.
+    #[error("xacro: {message}")]
+    XacroArgument { name: String, message: String },
     #[error("the file has {count} links; at most {limit} are read")]
     TooManyLinks { count: usize, limit: usize },
     #[error("{owner}: {quantity} is {}; it must be {rule}", told(*.value))]

@@ -209,9 +209,11 @@ impl Source {
             return xacro::expand(&text, path, packages, arguments).map(Self::Xacro);
         }
         if let Some(name) = arguments.keys().next() {
-            let text =
+            let message =
                 format!("the argument \"{name}\" is given, but the file is no xacro and has none");
-            return Err(ArmError::in_file(path, None, ArmErrorKind::Xacro(text)));
+            let name = name.clone();
+            let kind = ArmErrorKind::XacroArgument { name, message };
+            return Err(ArmError::in_file(path, None, kind));
         }
         Ok(Self::Urdf(text))
     }

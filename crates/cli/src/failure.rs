@@ -164,6 +164,10 @@ impl Failure {
                 let help = format!("it is the robot of {}", file.path().display());
                 Failure::arm_with(&error, Some(help))
             }
+            SimError::Arm(error) => {
+                let key = file.robot.key_of(&error);
+                file.problem(&key, error.to_string()).into()
+            }
             other => file.problem("robot.urdf", other.to_string()).into(),
         }
     }

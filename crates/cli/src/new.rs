@@ -1,5 +1,6 @@
 //! `truecut new`: a scenario of one's own robot that runs, to begin with.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use nalgebra::Vector3;
@@ -39,6 +40,7 @@ pub fn new(arguments: &NewArguments) -> Result<ExitStatus, Failure> {
         config: arguments.config.as_deref(),
         masses: Masses::Needed,
         packages: Packages::from_environment([]),
+        arguments: arguments.arguments.iter().cloned().collect(),
         ..Reading::default()
     };
     let robot = Robot::read(&arguments.robot, &reading).map_err(|error| Failure::arm(&error))?;
@@ -237,6 +239,21 @@ fn posture_keys(robot: &Robot, values: &[f64]) -> String {
         .collect()
 }
 
+/// The arguments of the robot's file, as a scenario gives them; nothing where there are none.
+fn argument_key(given: &[(String, String)]) -> String {
+    if given.is_empty() {
+        return String::new();
+    }
+    // A text of JSON is one of TOML. Of an argument that is given twice the last counts.
+    let quoted = |text: &str| serde_json::Value::from(text).to_string();
+    let given: BTreeMap<String, String> = given.iter().cloned().collect();
+    let pairs = given
+        .iter()
+        .map(|(name, value)| format!("{} = {}", quoted(name), quoted(value)));
+    let pairs: Vec<String> = pairs.collect();
+    format!("\narguments = {{ {} }}", pairs.join(", "))
+}
+
 /// The template with everything in its place.
 fn filled(arguments: &NewArguments, robot: &Robot, start: &Start) -> Result<String, Failure> {
     let (body, does) = match arguments.process {
@@ -266,7 +283,8 @@ fn filled(arguments: &NewArguments, robot: &Robot, start: &Start) -> Result<Stri
     let mut text = format!("{HEAD}{body}")
         .replace("@NAME@", &named.replace(['"', '\\'], "'"))
         .replace("@URDF@", &file(&arguments.robot)?)
-        .replace("@CONFIG@", &config);
+        .replace("@CONFIG@", &config)
+        .replace("@ARGUMENTS@", &argument_key(&arguments.arguments));
     match start {
         Start::Posture(values) => {
             text = text.replace("@POSTURE@", &posture_keys(robot, values));

@@ -1,14 +1,25 @@
 //! The `[robot]` table: which arm, in which posture, driven how.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use truecut_arm::{ArmError, ArmErrorKind, Masses, Packages, Reading};
 
 use crate::adjust::{self, JointSpec, JointTable, LinkSpec, LinkTable};
 use crate::check::Check;
 use crate::fault::Fault;
 use crate::units::{from_deg, from_mm};
+use crate::xacro_arguments::{ArgumentTable, texts};
+
+/// What a table says of the files of an arm: URDF, transmission data, tip, arguments.
+pub(crate) type Files = (
+    String,
+    Option<String>,
+    Option<String>,
+    Option<ArgumentTable>,
+);
 
 /// The arm that carries the tool.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +30,8 @@ pub struct RobotSpec {
     pub config: Option<PathBuf>,
     /// Link whose frame is the flange; `None` means the end of the chain.
     pub tip: Option<String>,
+    /// Arguments of the robot's file, where that is xacro, by name.
+    pub arguments: BTreeMap<String, String>,
     /// Link-side coordinates of the rotary joints at the start, in chain order; empty means all
     /// zero.
     pub posture_rad: Vec<f64>,
@@ -53,6 +66,7 @@ impl RobotSpec {
         urdf: PathBuf::new(),
         config: None,
         tip: None,
+        arguments: BTreeMap::new(),
         posture_rad: Vec::new(),
         posture_m: Vec::new(),
         gravity: true,
@@ -66,10 +80,11 @@ impl RobotSpec {
         joints: Vec::new(),
     };
 
-    /// The arm of these files (URDF, transmission data, tip) in a posture, driven by default.
+    /// The arm of these files (URDF, transmission data, tip, arguments) in a posture, driven by
+    /// default.
     pub(crate) fn read(
         folder: &Path,
-        (urdf, config, tip): (String, Option<String>, Option<String>),
+        (urdf, config, tip, arguments): Files,
         posture_deg: Option<Vec<f64>>,
         posture_mm: Option<Vec<f64>>,
     ) -> RobotSpec {
@@ -79,9 +94,31 @@ impl RobotSpec {
             urdf: folder.join(urdf),
             config: config.map(|file| folder.join(file)),
             tip,
+            arguments: texts(arguments),
             posture_rad: radians.collect(),
             posture_m: metres.collect(),
             ..RobotSpec::NONE
+        }
+    }
+
+    /// How the arm's files are read.
+    pub fn reading(&self, masses: Masses) -> Reading<'_> {
+        Reading {
+            config: self.config.as_deref(),
+            tip: self.tip.as_deref(),
+            masses,
+            packages: Packages::from_environment([]),
+            arguments: self.arguments.clone(),
+        }
+    }
+
+    /// The dotted key that a fault of the arm's files is about, where it has no line there.
+    pub fn key_of(&self, error: &ArmError) -> String {
+        let of_config = error.path().is_some() && error.path() == self.config.as_deref();
+        match error.kind() {
+            ArmErrorKind::XacroArgument { name, .. } => format!("robot.arguments.{name}"),
+            _ if of_config => "robot.config".to_owned(),
+            _ => "robot.urdf".to_owned(),
         }
     }
 }
@@ -146,6 +183,8 @@ pub(crate) struct RobotTable {
     config: Option<String>,
     /// Link whose frame is the flange. Default: the end of the chain.
     tip: Option<String>,
+    /// Arguments of a xacro file, by name: texts, numbers or truths. Default: those of the file.
+    arguments: Option<ArgumentTable>,
     /// Rotary joints at the start, in chain order. Default: all zero.
     posture_deg: Option<Vec<f64>>,
     /// Prismatic joints at the start, in chain order. Default: all zero.
@@ -224,7 +263,7 @@ impl RobotTable {
             _ if !damping_ratios.is_empty() => (&["damping_factor"], MODAL_DAMPING),
             _ => (&[], ""),
         };
-        let files = (self.urdf, self.config, self.tip);
+        let files = (self.urdf, self.config, self.tip, self.arguments);
         RobotSpec {
             damping_ratios,
             gravity,

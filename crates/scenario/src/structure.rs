@@ -271,7 +271,7 @@ fn wrong_word(schema: &Json, text: &str, path: &[String]) -> Option<Fault> {
     let key = path.join(".");
     let words = choices(schema);
     if words.is_empty() {
-        let blank = text.trim().is_empty();
+        let blank = text.trim().is_empty() && schema.get("minLength").is_none();
         return blank.then(|| Fault::value(&key, format!("`{key}` is empty"), "empty text"));
     }
     if words.contains(&text) {

@@ -165,6 +165,51 @@ fn overrides_reach_numbers_words_lists_and_tables_that_the_file_does_not_have() 
     assert_eq!(scenario.name, "7");
 }
 
+/// Xacro takes texts: whole numbers and others as such, truths by their names; one may be empty.
+#[test]
+fn arguments_of_the_robots_file_become_texts() {
+    let urdf = "urdf = \"robots/arm.urdf\"";
+    let given =
+        "arguments = { kind = \"ur10e\", prefix = \"\", safety = true, axes = 6, reach = 2.0 }";
+    let text = TEXT.replacen(urdf, &format!("{urdf}\n{given}"), 1);
+    let path = Path::new("cell/test_d.toml");
+    let texts = |scenario: &Scenario| -> Vec<String> {
+        let arguments = scenario.robot.arguments.iter();
+        arguments
+            .map(|(name, value)| format!("{name}={value}"))
+            .collect()
+    };
+    let scenario = Scenario::from_str(path, &text, &[]).unwrap();
+    let all = [
+        "axes=6",
+        "kind=ur10e",
+        "prefix=",
+        "reach=2.0",
+        "safety=true",
+    ];
+    assert_eq!(texts(&scenario), all);
+
+    // Overrides set them in a table that is there, and make one that is not.
+    let set = [
+        ("robot.arguments.prefix".to_owned(), "left_".to_owned()),
+        ("robot.arguments.axes".to_owned(), "7".to_owned()),
+    ];
+    let over = scenario.with_overrides(&set).unwrap();
+    assert_eq!(over.robot.arguments["prefix"], "left_");
+    assert_eq!(over.robot.arguments["kind"], "ur10e");
+    let made = Scenario::from_str(path, TEXT, &set).unwrap();
+    assert_eq!(texts(&made), ["axes=7", "prefix=left_"]);
+    let again = Scenario::from_str(path, &made.effective_text(), &[]).unwrap();
+    assert_eq!(again.robot, made.robot);
+    assert!(read(&[]).unwrap().robot.arguments.is_empty());
+
+    let list = text.replacen("axes = 6", "axes = [6]", 1);
+    let error = Scenario::from_str(path, &list, &[]).unwrap_err();
+    let problem = error.problems().next().unwrap();
+    assert_eq!(problem.key, "robot.arguments.axes");
+    assert!(problem.message.ends_with("but is a list"), "{problem}");
+}
+
 #[test]
 fn the_effective_text_is_the_same_scenario_without_overrides() {
     let text = TEXT.split("[process.chamfer.foot]").next().unwrap();

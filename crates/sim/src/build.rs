@@ -17,7 +17,7 @@ use crate::scene::{DrawWorkpiece, Tooling};
 use crate::step_size::{self, Scheme};
 use nalgebra::{DMatrix, Isometry3, Vector3};
 use std::sync::Arc;
-use truecut_arm::{FrameId, Load, Robot};
+use truecut_arm::{FrameId, Load, Masses, Robot};
 use truecut_core::joint_law::{LinkFriction, beyond_gap};
 use truecut_recording::{Measured, Scalar, Unit};
 use truecut_scenario::{DriveKind, RobotSpec, RunSpec, Scenario};
@@ -304,7 +304,7 @@ fn stiffest(robot: &Robot, laws: &[JointLaw], start: &[f64], command: &JointComm
 }
 
 pub(crate) fn load_robot(spec: &RobotSpec) -> Result<Robot, SimError> {
-    let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
+    let robot = Robot::read(&spec.urdf, &spec.reading(Masses::Needed))?;
     crate::adjust::adjusted(&robot, spec)
 }
 

@@ -6,10 +6,16 @@ use crate::motion::PlannedMotion;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use truecut_arm::Robot;
+use truecut_arm::{Masses, Robot};
 use truecut_scenario::{ProcessSpec, RobotSpec, Scenario};
 
-type Files = (PathBuf, Option<PathBuf>, Option<String>);
+/// What a robot is read from: URDF, transmission data, tip, arguments.
+type Files = (
+    PathBuf,
+    Option<PathBuf>,
+    Option<String>,
+    BTreeMap<String, String>,
+);
 
 /// What a motion depends on: the arm's geometry, the posture that chooses its branch, the process.
 type MotionOf = (Files, Vec<f64>, ProcessSpec);
@@ -18,7 +24,7 @@ type MotionOf = (Files, Vec<f64>, ProcessSpec);
 /// parameter.
 const MOTIONS_KEPT: usize = 16;
 
-/// Robots by their files and tip, as read when they were first asked for. Give one to
+/// Robots by their files, tip and arguments, as read when they were first asked for. Give one to
 /// [`Run`](crate::run::Run) where the same robot runs again and again; files that change meanwhile
 /// are not read again. Threads may share it.
 #[derive(Debug, Default)]
@@ -78,12 +84,17 @@ impl Robots {
         if let Some(robot) = found(&self.read.lock().unwrap_or_else(PoisonError::into_inner)) {
             return Ok(robot);
         }
-        let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())?;
+        let robot = Robot::read(&spec.urdf, &spec.reading(Masses::Needed))?;
         let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(read.entry(files).or_insert_with(|| Arc::new(robot)).clone())
     }
 }
 
 fn files(spec: &RobotSpec) -> Files {
-    (spec.urdf.clone(), spec.config.clone(), spec.tip.clone())
+    (
+        spec.urdf.clone(),
+        spec.config.clone(),
+        spec.tip.clone(),
+        spec.arguments.clone(),
+    )
 }

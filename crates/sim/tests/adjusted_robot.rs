@@ -1,7 +1,8 @@
-//! Links and rotors that differ from the robot's files.
+//! Links and rotors that differ from the robot's files, and arguments that its file takes.
 
 use std::path::Path;
 use truecut_scenario::Scenario;
+use truecut_sim::Robots;
 use truecut_sim::facts::robot_facts;
 use truecut_sim::run::{Finished, Run, RunError};
 
@@ -101,4 +102,89 @@ fn a_link_that_is_not_there_is_refused_at_its_name() {
     let scenario = scenario("[[robot.link]]\nname = \"uper_arm\"\n");
     let error = run(&scenario).unwrap_err().to_string();
     assert!(error.contains("uper_arm"), "{error}");
+}
+
+/// The mass on a spring as a xacro file in a folder, its mass an argument.
+fn mass_as_an_argument() -> tempfile::TempDir {
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/rig_1dof");
+    let urdf = std::fs::read_to_string(rig.join("robot.urdf")).unwrap();
+    let head = "<robot name=\"rig_1dof\">";
+    let mass = "<mass value=\"100\"/>";
+    assert!(urdf.contains(head) && urdf.contains(mass));
+    let xacro = urdf.replacen(
+        head,
+        "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\" name=\"rig_1dof\">\n\
+         <xacro:arg name=\"mass\" default=\"100\"/>",
+        1,
+    );
+    let xacro = xacro.replacen(mass, "<mass value=\"$(arg mass)\"/>", 1);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("rig.urdf.xacro"), xacro).unwrap();
+    std::fs::write(folder.path().join("rig.urdf"), urdf).unwrap();
+    std::fs::copy(rig.join("robot.toml"), folder.path().join("robot.toml")).unwrap();
+    folder
+}
+
+fn with_arguments(folder: &Path, urdf: &str, arguments: &str) -> Scenario {
+    let text = format!(
+        "name = \"test\"\n[robot]\nurdf = \"{urdf}\"\n{arguments}\n[run]\nduration_s = 0.05\n\
+         [process.load]\nframe = \"world\"\nrelease_n = [100, 0, 0]\n"
+    );
+    let at = folder.join("of_a_test.toml");
+    Scenario::from_str(&at, &text, &[]).unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+#[test]
+fn arguments_make_another_robot_of_one_file() {
+    let folder = mass_as_an_argument();
+    let of = |arguments: &str| with_arguments(folder.path(), "rig.urdf.xacro", arguments);
+    let (own, light) = (of(""), of("arguments = { mass = 50 }"));
+    let mass = |scenario: &Scenario| robot_facts(scenario).unwrap().moving_mass_kg;
+    assert_eq!((mass(&own), mass(&light)), (100.0, 50.0));
+    let set = [("robot.arguments.mass".to_owned(), "25.5".to_owned())];
+    assert_eq!(mass(&own.with_overrides(&set).unwrap()), 25.5);
+
+    // Robots that are kept are kept apart.
+    let robots = Robots::new();
+    let columns = |scenario: &Scenario| {
+        let run = Run {
+            robots: Some(&robots),
+            ..Run::of(scenario)
+        };
+        run.execute().unwrap().recording.columns
+    };
+    let plain = columns(&with_arguments(folder.path(), "rig.urdf", ""));
+    assert_eq!(columns(&own), plain);
+    assert_ne!(columns(&light), plain);
+    assert_eq!(columns(&of("arguments = { mass = 100 }")), plain);
+}
+
+#[test]
+fn an_argument_that_the_file_does_not_have_is_refused_at_its_key() {
+    let folder = mass_as_an_argument();
+    for (urdf, arguments, name, why) in [
+        (
+            "rig.urdf.xacro",
+            "arguments = { mas = 50 }",
+            "mas",
+            "did you mean \"mass\"?",
+        ),
+        (
+            "rig.urdf",
+            "[robot.arguments]\nmass = 50",
+            "mass",
+            "the file is no xacro and has none",
+        ),
+    ] {
+        let error = match run(&with_arguments(folder.path(), urdf, arguments)) {
+            Err(RunError::Scenario(error)) => error,
+            Err(other) => panic!("{urdf}: {other}"),
+            Ok(_) => panic!("{urdf}: accepted"),
+        };
+        let problem = error.problems().next().unwrap();
+        assert_eq!(problem.key, format!("robot.arguments.{name}"));
+        let line = 3 + arguments.lines().count();
+        assert_eq!(problem.line(), Some(line), "{problem}");
+        assert!(problem.message.contains(why), "{problem}");
+    }
 }

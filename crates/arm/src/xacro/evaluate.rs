@@ -102,7 +102,8 @@ impl Expander<'_> {
         self.asked.insert(name.to_owned());
         self.arguments.get(name).cloned().ok_or_else(|| {
             Fault::of(format!(
-                "the argument \"{name}\" has no value; give it with --arg {name}=VALUE"
+                "the argument \"{name}\" has no value; give it with --arg {name}=VALUE, or with \
+                 `arguments` of [robot] in a scenario"
             ))
         })
     }
@@ -296,7 +297,7 @@ impl Expander<'_> {
             format!("\"{value}\"")
         };
         format!(
-            "; the argument {} is {value}: give it with {}",
+            "; the argument {} is {value}: give it with {}, or with `arguments` of [robot] in a scenario",
             names.join(" or "),
             (names.iter())
                 .map(|name| format!("--arg {name}=FILE"))

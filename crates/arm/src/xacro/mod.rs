@@ -143,8 +143,11 @@ pub(crate) fn refuse_unknown(
         None if known.is_empty() => "; it has none".to_owned(),
         None => format!("; its arguments are {}", Vec::from_iter(names()).join(", ")),
     };
-    let text = format!("the file has no argument \"{name}\", which is given{hint}");
-    Err(ArmError::in_file(path, None, ArmErrorKind::Xacro(text)))
+    let kind = ArmErrorKind::XacroArgument {
+        name: name.clone(),
+        message: format!("the file has no argument \"{name}\", which is given{hint}"),
+    };
+    Err(ArmError::in_file(path, None, kind))
 }
 
 fn unknown_package(asked: &str, name: &str) -> String {

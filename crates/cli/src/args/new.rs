@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::number::finite;
+use super::parse_named;
 
 #[derive(Debug, Args)]
 pub struct NewArguments {
@@ -17,6 +18,9 @@ pub struct NewArguments {
     /// Transmission data [default: robot.toml beside the robot's file]
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// Argument of the robot's file, if that is xacro; may be repeated
+    #[arg(long = "arg", value_name = "NAME=VALUE", value_parser = parse_named)]
+    pub arguments: Vec<(String, String)>,
     /// The file to write; a file that is there is kept
     #[arg(short, long, value_name = "FILE", default_value = "scenario.toml")]
     pub out: PathBuf,

@@ -1,7 +1,7 @@
 //! A planned motion as a robot program: moves by joints through places on the way.
 
 use serde_json::{Map, Value};
-use truecut_arm::{FrameId, Robot};
+use truecut_arm::{FrameId, Masses, Robot};
 use truecut_discrepancy::excite::Excitation;
 use truecut_plan::program::{
     DIALECTS, Dialect, Motion, Move, Program, ProgramFile, Settings, Zone, dialect_for,
@@ -35,8 +35,8 @@ impl Language {
     /// A language that there is not; options that it does not have; a robot that cannot be loaded.
     pub fn of(scenario: &Scenario, arguments: &ExciteArguments) -> Result<Language, Failure> {
         let spec = &scenario.robot;
-        let robot = Robot::load(&spec.urdf, spec.config.as_deref(), spec.tip.as_deref())
-            .map_err(|error| Failure::arm(&error))?;
+        let robot = Robot::read(&spec.urdf, &spec.reading(Masses::Needed))
+            .map_err(|error| Failure::sim(scenario, error.into()))?;
         let dialect = match &arguments.dialect {
             None => dialect_for(&robot),
             Some(name) => Some(dialect_named(name).ok_or_else(|| {

@@ -1,6 +1,6 @@
 //! `truecut path` of a scenario that lays its way on its part, along edges or over a face.
 
-use truecut_arm::Robot;
+use truecut_arm::{Masses, Robot};
 use truecut_plan::clearance::{Cell, Own, Tool};
 use truecut_plan::program::Program;
 use truecut_scenario::Scenario;
@@ -18,7 +18,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
     check_arguments(arguments)?;
     let scenario = Scenario::load(file, &[])?;
     let arm = &scenario.robot;
-    let robot = Robot::load_kinematics(&arm.urdf, arm.config.as_deref(), arm.tip.as_deref());
+    let robot = Robot::read(&arm.urdf, &arm.reading(Masses::NotNeeded));
     let robot = robot.map_err(|error| Failure::sim(&scenario, error.into()))?;
     let dialect = dialect(cam)?;
     let settings = settings(cam, dialect)?;

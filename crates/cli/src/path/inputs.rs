@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use truecut_arm::Robot;
+use truecut_arm::{Masses, Robot};
 use truecut_plan::surface::{Mesh, MeshUse, PatchFile, SurfaceError};
 use truecut_plan::surface_path::{SurfacePathError, TaughtPoints};
 use truecut_scenario::PathJob;
@@ -76,10 +76,10 @@ impl Inputs {
 
 fn robot(job: &PathJob) -> Result<Robot, Failure> {
     let arm = &job.robot;
-    let robot = Robot::load_kinematics(&arm.urdf, arm.config.as_deref(), arm.tip.as_deref());
+    let robot = Robot::read(&arm.urdf, &arm.reading(Masses::NotNeeded));
     let robot = robot.map_err(|error| match error.line() {
         Some(_) => Failure::arm(&error),
-        None => job.problem("robot.urdf", error.to_string()).into(),
+        None => job.problem(&arm.key_of(&error), error.to_string()).into(),
     })?;
     let robot = with_slides(job, robot)?;
     check_joints(job, &robot)?;

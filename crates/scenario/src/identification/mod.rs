@@ -30,6 +30,7 @@ use crate::file;
 use crate::format::Format;
 use crate::robot::RobotSpec;
 use crate::schema::schema_of;
+use crate::xacro_arguments::ArgumentTable;
 
 /// Measurements of an arm, in SI, and the arm that they are held against.
 #[derive(Debug, Clone)]
@@ -70,6 +71,8 @@ struct ArmTable {
     config: Option<String>,
     /// Link whose frame is the flange. Default: the end of the chain.
     tip: Option<String>,
+    /// Arguments of a xacro file, by name: texts, numbers or truths. Default: those of the file.
+    arguments: Option<ArgumentTable>,
     /// Rotary joints, in chain order. Default: all zero; joints with a column in [stiffness] take
     /// it from there.
     posture_deg: Option<Vec<f64>>,
@@ -156,7 +159,7 @@ impl FileTable {
 
 impl ArmTable {
     fn resolve(self, folder: &Path) -> RobotSpec {
-        let files = (self.urdf, self.config, self.tip);
+        let files = (self.urdf, self.config, self.tip, self.arguments);
         RobotSpec {
             gravity: self.gravity.unwrap_or(true),
             inertia_scale: self.inertia_scale.unwrap_or(1.0),

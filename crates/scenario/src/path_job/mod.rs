@@ -26,6 +26,7 @@ use crate::file;
 use crate::format::Format;
 use crate::robot::RobotSpec;
 use crate::schema::schema_of;
+use crate::xacro_arguments::ArgumentTable;
 
 /// A path job in SI.
 #[derive(Debug, Clone)]
@@ -89,6 +90,8 @@ struct ArmTable {
     config: Option<String>,
     /// Link whose frame is the flange. Default: the end of the chain.
     tip: Option<String>,
+    /// Arguments of a xacro file, by name: texts, numbers or truths. Default: those of the file.
+    arguments: Option<ArgumentTable>,
     /// Rotary joints of the posture that the arm comes from, in chain order: of equally short ways
     /// the one from here is taken. Default: none; one of `posture_deg` and `posture_mm` must be
     /// there.
@@ -182,7 +185,7 @@ impl ArmTable {
             let who = "the way from where the arm comes from (`posture_mm` if it has slides)";
             check.needed::<()>("robot", "posture_deg", None, who);
         }
-        let files = (self.urdf, self.config, self.tip);
+        let files = (self.urdf, self.config, self.tip, self.arguments);
         RobotSpec::read(folder, files, self.posture_deg, self.posture_mm)
     }
 }

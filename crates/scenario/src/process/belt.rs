@@ -308,6 +308,10 @@ impl BeltSpec {
                 };
                 Some(("tip", name(&arm.tip), name(&robot.tip)))
             }
+            None if arm.arguments != robot.arguments => {
+                let (job, own) = (&arm.arguments, &robot.arguments);
+                Some(("list of arguments", format!("{job:?}"), format!("{own:?}")))
+            }
             None => None,
         };
         if let Some((what, job, own)) = told {

@@ -71,7 +71,7 @@ impl RunError {
                 scenario: scenario.path().to_owned(),
             },
             SimError::Arm(error) => scenario
-                .problem(robot_key(scenario, &error), error.to_string())
+                .problem(&robot_key(scenario, &error), error.to_string())
                 .into(),
             SimError::Metric(error) => RunError::Metric {
                 error,
@@ -83,13 +83,11 @@ impl RunError {
 }
 
 /// The key that a fault of the robot without a line of its own is about.
-fn robot_key(scenario: &Scenario, error: &ArmError) -> &'static str {
-    let of_config = error.path().is_some() && error.path() == scenario.robot.config.as_deref();
+fn robot_key(scenario: &Scenario, error: &ArmError) -> String {
     match error.kind() {
         ArmErrorKind::OutsideLimits { .. } if scenario.gives("robot.posture_deg") => {
-            "robot.posture_deg"
+            "robot.posture_deg".to_owned()
         }
-        _ if of_config => "robot.config",
-        _ => "robot.urdf",
+        _ => scenario.robot.key_of(error),
     }
 }
