@@ -39,6 +39,44 @@ fn a_scalar_in_a_unit_of_another_dimension_is_told_before_the_run() {
     refused_before(claim, &["run.time_step", "mm", "long.toml"]);
 }
 
+/// Runs that are too short to cost anything are told the same as long ones.
+#[test]
+fn a_misspelt_scalar_of_a_short_run_is_told_before_it() {
+    let desk = Desk::new();
+    let claim = "[[claim]]\nname = \"one\"\nreason = \"a test\"\nscalar = \"load.force_x\"\n\
+                 max = 1\nunit = \"N\"\n";
+    desk.scenario("short", "duration_s = 0.01", claim);
+    let parts = [
+        "unknown scalar \"load.force_x\"",
+        "known: run.time_step",
+        "short.toml:",
+    ];
+    let told = desk.refused(&["run", "short.toml", "--no-rrd"], &parts);
+    assert!(!told.contains("the run is kept"), "{told}");
+}
+
+/// A sweep over long runs, by a column and by a search for a threshold.
+#[test]
+fn a_misspelt_scalar_of_a_sweep_is_told_before_its_runs() {
+    let desk = Desk::new();
+    let axis = "[[sweep.axis]]\nkey = \"process.load.release_n.0\"\nvalues = [50, 100]\n";
+    let scalar = "scalar = \"plant.mode1_freqency\"\nunit = \"Hz\"\n";
+    let column = format!("[[sweep.column]]\nname = \"first\"\n{scalar}");
+    let search = format!(
+        "[sweep.bisect]\nkey = \"robot.damping_scale\"\nfrom = 1\nto = 2\nlimit = 1\n{scalar}"
+    );
+    for table in [column, search] {
+        desk.scenario("long", LONG, &format!("{axis}{table}"));
+        let parts = [
+            "plant.mode1_freqency",
+            "plant.mode1_frequency",
+            "long.toml:",
+        ];
+        desk.refused(&["sweep", "long.toml"], &parts);
+        assert!(!desk.path("out/long/sweep.rows.jsonl").exists());
+    }
+}
+
 /// A job of the mould's top with changed lines: refused soon, at the line.
 fn job_refused(changes: &[(&str, &str)], more: &str, parts: &[&str]) {
     let desk = Desk::new();

@@ -256,17 +256,17 @@ fn a_long_run_tells_beforehand_what_it_takes() {
     );
 }
 
-/// A scalar that the run has not is known after it only: what it cost to compute stays.
+/// Whether a drive saturates is known after the run only: what it cost to compute stays.
 #[test]
 fn a_claim_that_cannot_be_judged_does_not_cost_the_run() {
     let desk = Desk::new();
-    let claim = "[[claim]]\nname = 'a slip'\nscalar = 'plant.torque_used'\nmax = 1\nunit = '1'\nreason = 'none'\n";
+    let claim = "[[claim]]\nname = 'a slip'\nscalar = 'plant.torque_saturated'\nmax = 1\nunit = 's'\nreason = 'none'\n";
     desk.scenario("slip", "duration_s = 0.2", claim);
     let output = desk.truecut(&["run", "slip.toml", "--no-rrd"]);
     assert_eq!(output.status.code(), Some(BAD_INPUT));
     let told = String::from_utf8(output.stderr).unwrap();
     assert!(
-        told.contains("plant.torque_used") && told.contains("slip.toml:"),
+        told.contains("plant.torque_saturated") && told.contains("slip.toml:"),
         "{told}"
     );
     assert!(

@@ -66,7 +66,7 @@ pub(crate) struct JointTable {
 
 pub(crate) fn links(tables: Option<Vec<LinkTable>>, check: &mut Check) -> Vec<LinkSpec> {
     let tables = tables.unwrap_or_default();
-    refuse_twice("robot.link", tables.iter().map(|one| &one.name), check);
+    check.names_differ("robot.link", tables.iter().map(|one| &one.name));
     let resolve = |table: LinkTable| LinkSpec {
         name: table.name,
         mass_factor: table.mass_factor.unwrap_or(1.0),
@@ -86,7 +86,7 @@ pub(crate) fn joints(
     for index in 0..tables.len() {
         check.ignored(&format!("robot.joint.{index}"), ignored, because);
     }
-    refuse_twice("robot.joint", tables.iter().map(|one| &one.name), check);
+    check.names_differ("robot.joint", tables.iter().map(|one| &one.name));
     let resolve = |table: JointTable| JointSpec {
         name: table.name,
         rotor_inertia_factor: table.rotor_inertia_factor.unwrap_or(1.0),
@@ -94,15 +94,4 @@ pub(crate) fn joints(
         damping_factor: table.damping_factor.unwrap_or(1.0),
     };
     tables.into_iter().map(resolve).collect()
-}
-
-fn refuse_twice<'a>(list: &str, names: impl Iterator<Item = &'a String>, check: &mut Check) {
-    let mut seen: Vec<&String> = Vec::new();
-    for (index, name) in names.enumerate() {
-        if let Some(earlier) = seen.iter().position(|known| *known == name) {
-            let message = format!("is \"{name}\", which `{list}.{earlier}` is already");
-            check.wrong(&format!("{list}.{index}"), "name", message, "given twice");
-        }
-        seen.push(name);
-    }
 }

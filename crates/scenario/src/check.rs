@@ -74,6 +74,18 @@ impl<'a> Check<'a> {
         value
     }
 
+    /// Records a fault for each table of a list whose name one before it has already.
+    pub fn names_differ<'n>(&mut self, list: &str, names: impl Iterator<Item = &'n String>) {
+        let mut seen: Vec<&String> = Vec::new();
+        for (index, name) in names.enumerate() {
+            if let Some(earlier) = seen.iter().position(|known| *known == name) {
+                let message = format!("is \"{name}\", which `{list}.{earlier}` is already");
+                self.wrong(&format!("{list}.{index}"), "name", message, "given twice");
+            }
+            seen.push(name);
+        }
+    }
+
     /// Records a fault where a tool of this radius, m, turns faster than any rim holds.
     pub fn rim(&mut self, table: &str, key: &str, rpm: f64, radius_m: f64) {
         let fastest_rpm = FASTEST_RIM_M_PER_S / radius_m / from_rpm(1.0);

@@ -72,8 +72,19 @@ impl SetValue {
 }
 
 impl ClaimTable {
+    /// The claims of a scenario; those without a fault.
+    pub(crate) fn resolve_all(tables: Option<Vec<Self>>, check: &mut Check) -> Vec<ClaimSpec> {
+        let tables = tables.unwrap_or_default();
+        // Reports know them by their names.
+        check.names_differ("claim", tables.iter().map(|one| &one.name));
+        let tables = tables.into_iter().enumerate();
+        tables
+            .filter_map(|(index, one)| one.resolve(&format!("claim.{index}"), check))
+            .collect()
+    }
+
     /// `table` is the dotted path of this table. `None` after recording a fault.
-    pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Option<ClaimSpec> {
+    fn resolve(self, table: &str, check: &mut Check) -> Option<ClaimSpec> {
         check_bounds(table, self.min, self.max, check);
         let relative_to = self
             .relative_to

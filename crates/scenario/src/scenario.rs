@@ -13,6 +13,7 @@ use truecut_core::chatter::AttachedModes;
 use truecut_recording::{ClaimSpec, UserUnit};
 
 use crate::check::Check;
+use crate::claim::ClaimTable;
 use crate::data::DataSpec;
 use crate::document::Document;
 use crate::effect::{Effect, table, text};
@@ -338,10 +339,7 @@ impl ScenarioTable {
         if let (Some(process), Some(run)) = (&process, &run) {
             process.check_run(run, &mut check);
         }
-        let claims = self.claim.unwrap_or_default().into_iter().enumerate();
-        let claims: Vec<ClaimSpec> = claims
-            .filter_map(|(index, claim)| claim.resolve(&format!("claim.{index}"), &mut check))
-            .collect();
+        let claims = ClaimTable::resolve_all(self.claim, &mut check);
         let sweep = (self.sweep).map(|sweep| sweep.resolve(&uncertain, &mut check));
         if sweep.is_some() && !claims.is_empty() {
             let message = "a sweep has no [[claim]]: its claims are [[sweep.claim]]".to_owned();

@@ -150,6 +150,7 @@ impl SweepTable {
             .chain(columns.iter().map(|column| column.name.clone()))
             .collect();
         let claims = self.claim.unwrap_or_default();
+        check.names_differ("sweep.claim", claims.iter().map(|one| &one.name));
         for (index, claim) in claims.iter().enumerate() {
             check_claim(claim, index, &known, check);
         }

@@ -51,7 +51,7 @@ impl SweepSpec {
     }
 
     /// Metrics of the columns and of the search, with their units and the paths of their tables.
-    pub(crate) fn metrics_at(&self) -> impl Iterator<Item = (String, &MetricSpec, &UserUnit)> {
+    pub fn metrics_at(&self) -> impl Iterator<Item = (String, &MetricSpec, &UserUnit)> {
         let columns = self.columns.iter().enumerate();
         let columns =
             columns.map(|(index, one)| (format!("sweep.column.{index}"), &one.metric, &one.unit));

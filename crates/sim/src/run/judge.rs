@@ -51,7 +51,7 @@ impl Run<'_> {
         claim
             .evaluate(recording, reference.as_deref())
             .map_err(|error| {
-                // A scalar is known only after the run, so a wrong one is found here.
+                // A scalar that a run has only sometimes is missed here.
                 let scalar = format!("claim.{index}.scalar");
                 let key = if scenario.gives(&scalar) {
                     scalar

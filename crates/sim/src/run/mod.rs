@@ -34,3 +34,4 @@ pub use error::RunError;
 pub use request::{Claims, Extent, Finished, Keep, ReadData, Run};
 pub use rows::Rows;
 pub use runs::Runs;
+pub(crate) use scalars::taken;

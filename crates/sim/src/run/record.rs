@@ -9,6 +9,7 @@ use truecut_scenario::Scenario;
 
 use super::clearance;
 use super::request::{Claims, Keep, Run};
+use super::scalars;
 use crate::error::SimError;
 use crate::process::cut_short;
 use crate::replay::predict::{Prediction, predict};
@@ -74,8 +75,10 @@ impl Run<'_> {
         if self.claims != Claims::Ignore {
             scenario.check_claims(&header)?;
             scenario.check_bands(cell.row_interval_s())?;
-            let extent = (cell.extent().steps, about.is_some());
-            self.check_scalars(scenario, measured, &header, extent)?;
+            if scalars::are_claimed(scenario) {
+                let made = scalars::made(scenario, self.cell(scenario, measured)?);
+                scalars::check(scenario, made)?;
+            }
         }
         let keep = match self.keep {
             Keep::All => None,
@@ -127,6 +130,7 @@ impl Run<'_> {
         } = prediction;
         if self.claims != Claims::Ignore {
             scenario.check_claims(&header)?;
+            scalars::check(scenario, Vec::new())?;
         }
         let started = Instant::now();
         let mut recorder = Recorder::new(header, sinks)?;

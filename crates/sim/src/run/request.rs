@@ -8,6 +8,7 @@ use truecut_scenario::{Scenario, ScenarioError};
 
 use super::error::RunError;
 use super::runs::Runs;
+use super::scalars;
 use crate::cell::Cell;
 use crate::engine::Engine;
 use crate::error::SimError;
@@ -16,8 +17,8 @@ use crate::robots::Robots;
 /// What becomes of a scenario's claims.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Claims {
-    /// Checked against the channels before the run, so that a slip in a claim does not cost it;
-    /// judged after it.
+    /// Checked against channels and scalars before the run, so that a slip in a claim does not
+    /// cost it; judged after it.
     Judge,
     /// Checked only.
     Check,
@@ -212,7 +213,8 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Builds what would run and checks the claims and metrics against its channels, without a run.
+    /// Builds what would run and checks the claims and metrics against its channels and scalars,
+    /// without a run.
     ///
     /// # Errors
     /// As [`Run::execute`] before the first step.
@@ -222,7 +224,12 @@ impl<'a> Run<'a> {
         let cell = self.cell(&scenario, self.measured.or(read.as_ref()));
         let cell = cell.map_err(|error| RunError::of(&scenario, error))?;
         scenario.check_bands(cell.row_interval_s())?;
-        Ok(scenario.check_claims(&cell.header())?)
+        scenario.check_claims(&cell.header())?;
+        if scalars::are_claimed(&scenario) || scalars::are_swept(&scenario) {
+            let checked = scalars::check(&scenario, scalars::made(&scenario, cell));
+            checked.map_err(|error| RunError::of(&scenario, error))?;
+        }
+        Ok(())
     }
 
     /// The recording alone, with what claims and sweep ask for: claims are left alone, sinks take

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 
 use crate::engine::Engine;
 use crate::error::SimError;
-use crate::run::Run;
-use truecut_recording::{Metric, MetricSpec, Outcome, Recording, Unit, UserUnit};
+use crate::run::{Run, taken};
+use truecut_recording::{Outcome, Recording, Unit};
 use truecut_scenario::{BisectSpec, Scenario, SweepSpec};
 
 /// One combination of the axes' values.
@@ -180,9 +180,8 @@ fn row(job: &Job, progress: &dyn Fn(f64), stop: Option<&AtomicBool>) -> Result<S
     };
     let ended_early = row.fault.as_ref().is_some_and(Fault::ended_early);
     for (index, column) in job.sweep.columns.iter().enumerate() {
-        let metric = column.metric.evaluate(&recording)?;
         let table = format!("sweep.column.{index}");
-        check_unit(&table, &column.metric, &metric, &column.unit)?;
+        let metric = taken(&table, &column.metric, &column.unit, &recording)?;
         row.values.push(Entry {
             name: column.name.clone(),
             value: if ended_early { f64::NAN } else { metric.value },
@@ -262,8 +261,7 @@ fn search_run(
     let mut overrides = job.overrides.clone();
     overrides.push((bisect.key.clone(), format!("{value:?}")));
     let recording = record(job, &overrides, progress, stop)?;
-    let metric = bisect.metric.evaluate(&recording)?;
-    check_unit("sweep.bisect", &bisect.metric, &metric, &bisect.unit)?;
+    let metric = taken("sweep.bisect", &bisect.metric, &bisect.unit, &recording)?;
     Ok(SearchRun {
         meets_limit: metric.value <= bisect.limit,
         fault: Fault::of(
@@ -272,25 +270,6 @@ fn search_run(
         ),
         recording,
     })
-}
-
-/// Whether a unit fits a number: that of a scalar is known only after the run.
-fn check_unit(
-    table: &str,
-    spec: &MetricSpec,
-    metric: &Metric,
-    unit: &UserUnit,
-) -> Result<(), SimError> {
-    if metric.unit == unit.unit {
-        return Ok(());
-    }
-    let accepted: Vec<&str> = metric.unit.accepted_symbols().collect();
-    let message = format!(
-        "unit \"{}\" does not fit {spec}; accepted: {}",
-        unit.symbol,
-        accepted.join(", ")
-    );
-    Err(SimError::scenario(format!("{table}.unit"), message))
 }
 
 /// Runs a job's scenario with overrides and keeps the recording in memory.
