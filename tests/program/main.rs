@@ -391,7 +391,18 @@ fn the_schema_is_json_and_robots_are_described() {
         let one = desk.ends(0, &["robot", urdf, "--fk", posture]);
         assert_eq!(one.lines().nth(1), table.lines().nth(row), "{one}");
     }
-    desk.refused(&["robot", urdf, "--fk", "0,0"], &["--fk"]);
+    for (posture, parts) in [
+        (
+            "0,0",
+            &["--fk", "2 values", "3 joints", "none for joint"][..],
+        ),
+        ("0,0,0,1", &["--fk", "4 values", "3 joints", "value 4"]),
+        ("0,half,0", &["--fk", "value 2 of joint", "\"half\""]),
+        ("0,0,inf", &["--fk", "value 3 of joint", "\"inf\""]),
+        ("a,b,c", &["--fk", "a, b, c", "each of the 3 joints"]),
+    ] {
+        desk.refused(&["robot", urdf, "--fk", posture], parts);
+    }
     desk.refused(&["robot", urdf, "--fk", "none.csv"], &["none.csv"]);
 }
 

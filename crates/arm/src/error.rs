@@ -308,8 +308,14 @@ pub enum ArmErrorKind {
         #[source]
         source: Box<ArmErrorKind>,
     },
-    #[error("the table holds no posture; a row has one number for each of the {joints} joints")]
-    NoPostures { joints: usize },
+    #[error(
+        "the table holds no posture{only}; a row has one number for each of the {joints} joints"
+    )]
+    NoPostures {
+        joints: usize,
+        /// What stands in it, if it is a heading alone.
+        only: String,
+    },
     #[error("the table holds no pose; a row has x, y, z, roll, pitch, yaw")]
     NoPoses,
     #[error("row {row}: {message}")]

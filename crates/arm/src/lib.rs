@@ -80,6 +80,7 @@ mod nearest;
 mod opw;
 mod packages;
 mod placed;
+mod posture_rows;
 pub mod report;
 mod report_estimates;
 mod report_text;

@@ -13,10 +13,9 @@ use crate::model::{FrameId, JointKind, Link, Robot, TransmissionSources};
 use crate::moving::Moving;
 use crate::tangent::Load;
 
+pub use crate::posture_rows::{IkRow, ik_csv, ik_rows};
 pub use crate::report_estimates::EstimateReport;
-pub use crate::table::{
-    IkRow, fk_table, ik_csv, ik_rows, other_units_note, outside_limits_note, poses,
-};
+pub use crate::table::{fk_table, other_units_note, outside_limits_note, poses};
 
 /// Everything `truecut robot` prints. Field units are in the names; joint values are in the joint's
 /// own units ([`JointReport::coordinate_unit`], per second, per coordinate unit); infinite bounds

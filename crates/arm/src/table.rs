@@ -1,29 +1,26 @@
-//! Forward kinematics of a table of postures, inverse kinematics of a table of poses.
+//! Tables of postures, with forward kinematics, and of poses.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
-use serde::Serialize;
 use truecut_files::{CellRow, Cells};
 
 use crate::error::{ArmError, ArmErrorKind};
-use crate::ik_branches::BranchOptions;
 use crate::model::{FrameId, JointKind, Robot};
-use crate::opw::ArmBranch;
-use crate::turns::turned;
 
 /// Flange poses for postures given as CSV ([`Cells`]): one row per posture, joint coordinates in
 /// chain order, rad or m; a column whose heading ends in `_deg` or `_mm` is in that unit. Where the
 /// heading names the joints (`j1_deg`, or their own names) among other columns, these alone are
 /// read, and without a unit they are in degrees and mm: so `path.csv`, taught points and what
-/// [`ik_csv`] writes serve, too. Empty rows and rows that start with `#` are skipped.
+/// [`ik_csv`](crate::report::ik_csv) writes serve, too. Empty rows and rows that start with `#` are
+/// skipped.
 ///
 /// The answer is CSV with a heading: position x, y, z (m) and the rotation matrix row by row, world
 /// from flange, each number in the shortest form that reads back exactly.
 ///
 /// # Errors
-/// Names the row (1-based) and the value that is not a finite number, or the wrong count; a table
-/// without any posture.
+/// Names the row, the value's place in it (both from 1) and the joint of the value that is not a
+/// finite number, or the wrong count; a table without any posture.
 pub fn fk_table(robot: &Robot, postures_csv: &str) -> Result<String, ArmError> {
     let mut out = csv::Writer::from_writer(Vec::new());
     out.write_record(HEAD).expect(IN_MEMORY);
@@ -48,36 +45,63 @@ pub fn outside_limits_note(robot: &Robot, postures_csv: &str) -> Result<Option<S
     let all = postures(robot, postures_csv)?;
     let outside = all.iter().filter_map(|(row, q)| {
         let error = robot.check_posture(q).err()?;
-        Some((*row, error.message()))
+        Some((*row, error))
     });
-    let outside: Vec<(usize, String)> = outside.collect();
-    Ok(outside.first().map(|(row, message)| {
+    let outside: Vec<(usize, ArmError)> = outside.collect();
+    Ok(outside.first().map(|(row, error)| {
+        // A joint that follows others has no value of its own.
+        let place = match error.kind() {
+            ArmErrorKind::OutsideLimits { joint, .. } => {
+                let joints = &robot.chain.joints;
+                joints.iter().position(|one| one.name == *joint)
+            }
+            _ => None,
+        };
+        let place = place.map_or_else(String::new, |index| format!(", value {}", index + 1));
         format!(
-            "row {row}: {message}; {} of {} rows are outside limits. Postures are read in rad and m; \
+            "row {row}{place}: {}; {} of {} rows are outside limits. Postures are read in rad and m; \
              a heading such as j1_deg or j1_mm gives the unit of its column",
+            error.message(),
             outside.len(),
             all.len()
         )
     }))
 }
 
+/// Characters of a row without numbers that are told: it may be a file of anything.
+const MOST_TOLD: usize = 100;
+
 /// Postures of a table with their rows, rad and m.
 fn postures(robot: &Robot, csv: &str) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
     let joints = robot.dof();
     let table = Table::of(csv)?;
+    let names: Vec<&str> = (robot.chain.joints.iter())
+        .map(|joint| joint.name.as_str())
+        .collect();
     let rows = match table.of_joints(robot) {
-        Some(columns) => table.numbers(&columns)?,
+        Some(columns) => table.numbers(&columns, &names)?,
         None => table
-            .all_numbers()
-            .map_err(|error| table.unnamed(robot, error))?,
+            .all_numbers(&names)
+            .map_err(|error| table.unnamed(&names, robot, error))?,
     };
     if rows.is_empty() {
-        return Err(ArmErrorKind::NoPostures { joints }.into());
+        let only = match table.heading() {
+            [] => String::new(),
+            heading => {
+                let told: String = heading.join(", ").chars().take(MOST_TOLD).collect();
+                format!(": its only row, \"{told}\", has no number")
+            }
+        };
+        return Err(ArmErrorKind::NoPostures { joints, only }.into());
     }
     if let Some((row, other)) = rows.iter().find(|(_, q)| q.len() != joints) {
-        let message = format!("{} values; the chain has {joints} joints", other.len());
-        let error = ArmErrorKind::PostureTable { row: *row, message }.into();
-        return Err(table.unnamed(robot, error));
+        let count = other.len();
+        let which = match names.get(count) {
+            Some(joint) => format!("none for joint \"{joint}\""),
+            None => format!("value {} is of none", joints + 1),
+        };
+        let message = format!("{count} values, but the chain has {joints} joints: {which}");
+        return Err(table.unnamed(&names, robot, fault(*row, message)));
     }
     Ok(rows)
 }
@@ -138,24 +162,32 @@ impl Table {
         columns
     }
 
-    fn numbers(&self, columns: &[Column]) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
+    /// Numbers of the joints, which have these names, in their columns.
+    fn numbers(
+        &self,
+        columns: &[Column],
+        joints: &[&str],
+    ) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
         self.each(|row| {
-            let number = |&(column, factor): &Column| {
-                let cell = row.cells.get(column).map_or("", String::as_str);
-                Ok(self.number(row.line, cell)? * factor)
+            let number = |(&(column, factor), joint): (&Column, &&str)| {
+                Ok(self.number(row, column, Some(*joint))? * factor)
             };
-            columns.iter().map(number).collect()
+            columns.iter().zip(joints).map(number).collect()
         })
     }
 
-    fn all_numbers(&self) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
+    /// Numbers of all columns. A row with one for each of the joints that are named has them in
+    /// their order.
+    fn all_numbers(&self, joints: &[&str]) -> Result<Vec<(usize, Vec<f64>)>, ArmError> {
         let units: Vec<f64> = self.heading().iter().map(|name| unit(name)).collect();
         self.each(|row| {
-            let number = |(index, cell): (usize, &String)| {
-                let unit = units.get(index).copied().unwrap_or(1.0);
-                Ok(self.number(row.line, cell)? * unit)
+            let is_posture = row.cells.len() == joints.len();
+            let number = |column: usize| {
+                let unit = units.get(column).copied().unwrap_or(1.0);
+                let joint = is_posture.then(|| joints[column]);
+                Ok(self.number(row, column, joint)? * unit)
             };
-            row.cells.iter().enumerate().map(number).collect()
+            (0..row.cells.len()).map(number).collect()
         })
     }
 
@@ -167,13 +199,21 @@ impl Table {
         rows.map(|row| Ok((row.line, read(row)?))).collect()
     }
 
-    fn number(&self, line: usize, cell: &str) -> Result<f64, ArmError> {
+    fn number(&self, row: &CellRow, column: usize, joint: Option<&str>) -> Result<f64, ArmError> {
+        let cell = row.cells.get(column).map_or("", String::as_str);
         let found = self.cells.number(cell).filter(|it| it.is_finite());
-        found.ok_or_else(|| fault(line, format!("\"{cell}\" is not a finite number")))
+        found.ok_or_else(|| {
+            let of = joint.map_or_else(String::new, |joint| format!(" of joint \"{joint}\""));
+            let place = column + 1;
+            fault(
+                row.line,
+                format!("value {place}{of}, \"{cell}\", is not a finite number"),
+            )
+        })
     }
 
     /// The error of a table whose heading does not name the joints, told with what it has.
-    fn unnamed(&self, robot: &Robot, error: ArmError) -> ArmError {
+    fn unnamed(&self, joints: &[&str], robot: &Robot, error: ArmError) -> ArmError {
         let ArmErrorKind::PostureTable { row, message } = error.kind() else {
             return error;
         };
@@ -181,8 +221,6 @@ impl Table {
         if heading.is_empty() {
             return error;
         }
-        let joints = robot.chain.joints.iter();
-        let joints: Vec<&str> = joints.map(|joint| joint.name.as_str()).collect();
         let slides = match robot.slides().count() {
             0 => "",
             _ => "; --slide-mm says where slides stand that the table has no columns for",
@@ -227,7 +265,7 @@ fn unit(name: &str) -> f64 {
 /// rotation; a table without any pose.
 pub fn poses(csv: &str) -> Result<Vec<Isometry3<f64>>, ArmError> {
     let mut found = Vec::new();
-    for (row, numbers) in Table::of(csv)?.all_numbers()? {
+    for (row, numbers) in Table::of(csv)?.all_numbers(&[])? {
         let fault = |message: &str| {
             let message = message.to_owned();
             ArmError::from(ArmErrorKind::PostureTable { row, message })
@@ -271,7 +309,7 @@ pub fn other_units_note(robot: &Robot, csv: &str) -> Result<Option<String>, ArmE
     let foot_m = first.map_or_else(Vector3::zeros, |it| it.parent_from_joint.translation.vector);
     let units = "poses are read in m and rad; a heading such as x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg \
                  gives other units";
-    for (row, numbers) in Table::of(csv)?.all_numbers()? {
+    for (row, numbers) in Table::of(csv)?.all_numbers(&[])? {
         let off_m = match numbers.as_slice() {
             [x, y, z, ..] => (Vector3::new(*x, *y, *z) - foot_m).norm(),
             _ => 0.0,
@@ -298,93 +336,7 @@ pub fn other_units_note(robot: &Robot, csv: &str) -> Result<Option<String>, ArmE
 /// How far a matrix may be from a rotation: that of numbers rounded to six digits.
 const ROTATION_TOLERANCE: f64 = 1e-5;
 
-/// One posture for one pose.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct IkRow {
-    /// Number of the pose, from 1.
-    pub pose: usize,
-    /// Joint coordinates, rad or m.
-    pub posture: Vec<f64>,
-    pub within_limits: bool,
-    /// Branch of an ortho-parallel arm with a spherical wrist, e.g. `front, upper, positive`;
-    /// `None` for others.
-    pub branch: Option<String>,
-}
-
-/// All postures for each pose of `frame`, revolute joints in (−π, π], or where that is out of
-/// limits and a whole turn off it is not, there; see [`IkSolver::branches`].
-///
-/// [`IkSolver::branches`]: crate::IkSolver::branches
-pub fn ik_rows(robot: &Robot, poses: &[Isometry3<f64>], frame: FrameId) -> Vec<IkRow> {
-    let mut options = BranchOptions::default();
-    if robot.dof() < 6 {
-        // An arm of few joints reaches few attitudes: a pose that is written to seven digits lies
-        // beside them.
-        options.numeric.position_tolerance_m = 1e-8;
-        options.numeric.angle_tolerance_rad = 1e-6;
-    }
-    let solver = robot.ik_solver(&options);
-    let mut rows = Vec::new();
-    for (index, pose) in poses.iter().enumerate() {
-        let branches = solver.branches(pose, frame).into_iter();
-        let postures = branches.map(|posture| least_turned(robot, posture));
-        for posture in postures {
-            let branch = solver.geometry().map(|geometry| {
-                let ArmBranch {
-                    shoulder,
-                    elbow,
-                    wrist,
-                } = geometry.branch(&posture);
-                format!("{shoulder:?} {elbow:?} {wrist:?}").to_lowercase()
-            });
-            rows.push(IkRow {
-                pose: index + 1,
-                within_limits: robot.check_posture(&posture).is_ok(),
-                posture,
-                branch,
-            });
-        }
-    }
-    rows
-}
-
-/// The posture, or the one within limits that is fewest whole turns off it, if it is beyond them
-/// and there is one: a joint from −220 to 64 deg reaches by a turn what it does not beside 180 deg.
-fn least_turned(robot: &Robot, posture: Vec<f64>) -> Vec<f64> {
-    if robot.check_posture(&posture).is_ok() {
-        return posture;
-    }
-    let off = |other: &Vec<f64>| -> f64 {
-        let pairs = other.iter().zip(&posture);
-        pairs.map(|(a, b)| (a - b).abs()).sum()
-    };
-    let within = turned(&robot.chain.joints, &posture).into_iter();
-    let nearest = within.min_by(|a, b| off(a).total_cmp(&off(b)));
-    nearest.unwrap_or(posture)
-}
-
-/// The rows as CSV with a heading.
-pub fn ik_csv(robot: &Robot, rows: &[IkRow]) -> String {
-    let mut out = csv::Writer::from_writer(Vec::new());
-    let joints = robot.chain.joints.iter();
-    let joints = joints.map(|joint| format!("{}_{}", joint.name, joint.kind.coordinate_unit()));
-    let head = (["pose".to_owned()].into_iter()).chain(joints);
-    let head = head.chain(["within_limits".to_owned(), "branch".to_owned()]);
-    out.write_record(head).expect(IN_MEMORY);
-    for row in rows {
-        let values = row.posture.iter().map(|value| format!("{value:?}"));
-        let last = [
-            row.within_limits.to_string(),
-            row.branch.clone().unwrap_or_default(),
-        ];
-        let cells = [row.pose.to_string()].into_iter().chain(values).chain(last);
-        out.write_record(cells).expect(IN_MEMORY);
-    }
-    let bytes = out.into_inner().expect(IN_MEMORY);
-    String::from_utf8(bytes).expect("numbers are text")
-}
-
 const HEAD: [&str; 12] = [
     "x_m", "y_m", "z_m", "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
 ];
-const IN_MEMORY: &str = "memory can be written to";
+pub(crate) const IN_MEMORY: &str = "memory can be written to";

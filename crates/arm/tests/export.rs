@@ -310,7 +310,15 @@ fn degrees_are_read_by_their_heading_and_told_without_one() {
     let note = |text: &str| outside_limits_note(&robot, text).expect("good");
     assert_eq!((note(&rad), note(&deg)), (None, None));
     let told = note(&table("", 1.0)).expect("degrees read as radians");
-    for part in ["row 1", "joint_1", "10", "1 of 2 rows", "rad", "j1_deg"] {
+    let parts = [
+        "row 1, value 1: ",
+        "joint_1",
+        "10",
+        "1 of 2 rows",
+        "rad",
+        "j1_deg",
+    ];
+    for part in parts {
         assert!(told.contains(part), "`{part}` is not in: {told}");
     }
 }
@@ -321,13 +329,49 @@ fn a_bad_table_is_refused_with_its_row() {
     let short = fk_table(&robot, "0,0,0,0,0,0\n0,0,0\n")
         .expect_err("short")
         .to_string();
-    assert_eq!(short, "row 2: 3 values; the chain has 6 joints");
+    assert_eq!(
+        short,
+        "row 2: 3 values, but the chain has 6 joints: none for joint \"joint_4\""
+    );
+    let long = fk_table(&robot, "0,0,0,0,0,0,1,2\n")
+        .expect_err("long")
+        .to_string();
+    assert_eq!(
+        long,
+        "row 1: 8 values, but the chain has 6 joints: value 7 is of none"
+    );
     let word = fk_table(&robot, "0,0,0,0,0,0\n0,0,x,0,0,0\n")
         .expect_err("a word")
         .to_string();
-    assert_eq!(word, "row 2: \"x\" is not a finite number");
+    let of_third = "value 3 of joint \"joint_3\"";
+    assert_eq!(
+        word,
+        format!("row 2: {of_third}, \"x\", is not a finite number")
+    );
     let nan = fk_table(&robot, "0,0,NaN,0,0,0\n")
         .expect_err("NaN")
         .to_string();
-    assert_eq!(nan, "row 1: \"NaN\" is not a finite number");
+    assert_eq!(
+        nan,
+        format!("row 1: {of_third}, \"NaN\", is not a finite number")
+    );
+    // Among other columns the value stands in that of its joint.
+    let among = "feed,j1,j2,j3,j4,j5,j6\n1,0,0,?,0,0,0\n";
+    let among = fk_table(&robot, among).expect_err("a mark").to_string();
+    assert_eq!(
+        among,
+        "row 2: value 4 of joint \"joint_3\", \"?\", is not a finite number"
+    );
+    let words = fk_table(&robot, "a,b,c,d,e,f")
+        .expect_err("words")
+        .to_string();
+    assert!(
+        words.contains("\"a, b, c, d, e, f\", has no number"),
+        "{words}"
+    );
+    // A pose has no joints.
+    let pose = truecut_arm::report::poses("0,0,0,0,up,0\n")
+        .expect_err("a word")
+        .to_string();
+    assert_eq!(pose, "row 1: value 5, \"up\", is not a finite number");
 }

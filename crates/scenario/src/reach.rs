@@ -1,6 +1,6 @@
 //! Whether spectral metrics look below half the rate at which rows are recorded.
 
-use truecut_recording::{MetricSpec, Reducer};
+use truecut_recording::{MetricSpec, Reducer, short_number};
 
 use crate::error::ScenarioError;
 use crate::scenario::Scenario;
@@ -26,10 +26,12 @@ impl Scenario {
             if band_hz[1] > highest_hz {
                 let key = format!("{table}.band_hz");
                 let message = format!(
-                    "`{key}` reaches to {} Hz, but a row every {:.4} ms shows nothing above {highest_hz:.1} Hz \
-                     (half the recording rate)",
+                    "`{key}` reaches to {} Hz, but must end at or below {} Hz, half the recording rate of {} rows \
+                     a second (one every {} ms): they show nothing above it",
                     band_hz[1],
-                    row_interval_s * 1e3
+                    short_number(highest_hz),
+                    short_number(1.0 / row_interval_s),
+                    short_number(row_interval_s * 1e3)
                 );
                 return Err(self.problem(&key, message));
             }

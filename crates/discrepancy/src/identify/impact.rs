@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use truecut_recording::fft;
 use truecut_recording::measured::Table;
 use truecut_recording::measured::TimeBase;
-use truecut_recording::significant;
+use truecut_recording::{short_number, significant};
 use truecut_scenario::identification::ImpactSpec;
 
 use super::frf::{Frf, noise};
@@ -48,9 +48,11 @@ pub fn impact(
     };
     if band_hz[1] > 0.5 * signals.rate_hz {
         let message = format!(
-            "the band ends at {} Hz, above half of the {} samples a second",
+            "the band ends at {} Hz, but must end at or below {} Hz, half of the {} samples a second: \
+             they show nothing above half their rate",
             band_hz[1],
-            significant(signals.rate_hz, 4)
+            short_number(0.5 * signals.rate_hz),
+            short_number(signals.rate_hz)
         );
         return fail("modes.band_hz".to_owned(), &message);
     }

@@ -123,6 +123,7 @@ fn krl_attitudes_frames_by_parts_and_further_axes_are_not_overlooked() {
     let frame_part = line("BASE_DATA[4].X=100\n$BASE=BASE_DATA[4]");
     let rail = job("PTP {X 850,Y 0,Z 700,A 0,B 90,C 180,E1 0,E2 1500}");
     let home = job("PTP XHOME");
+    let moved_home = job("XP1={X 850,Y 0,Z 700,A 0,B 90,C 180}\nXP1=XHOME\nPTP XP1");
     let told = "the tool keeps its attitude";
     are_refused(&[
         Refused {
@@ -158,7 +159,17 @@ fn krl_attitudes_frames_by_parts_and_further_axes_are_not_overlooked() {
         Refused {
             files: &[("job.src", &home)],
             line: 3,
-            quotes: &["`XHOME` is not read", "$config.dat"],
+            quotes: &["`XHOME` is not read", "job.dat, which would declare it"],
+        },
+        Refused {
+            files: &[("job.src", &home), ("job.dat", &plain)],
+            line: 3,
+            quotes: &["`XHOME` is not read", "nor the .dat", "$config.dat"],
+        },
+        Refused {
+            files: &[("job.src", &moved_home)],
+            line: 4,
+            quotes: &["`XHOME` is not read", "job.dat, which would declare it"],
         },
     ]);
     // The same attitude at both ends is kept by any mode.

@@ -13,7 +13,11 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     (
         "missing_position.src",
         2,
-        &["`XP1` is not read", "$config.dat"],
+        &[
+            "`XP1` is not read",
+            "missing_position.dat, which would declare it, is not there",
+            "$config.dat",
+        ],
     ),
     ("no_end.src", 2, &["ends here"]),
     (

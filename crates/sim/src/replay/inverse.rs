@@ -26,7 +26,7 @@ use truecut_arm::{FrameId, Robot};
 use truecut_core::joint_law::LinkFriction;
 use truecut_plan::motion::excitation::SampledMotion;
 use truecut_recording::filter::Butterworth;
-use truecut_recording::{ChannelSpec, Measured, Role};
+use truecut_recording::{ChannelSpec, Measured, Role, short_number};
 use truecut_scenario::effect::{Effect, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario};
 
@@ -60,8 +60,8 @@ impl InverseModel {
         let source = Source { scenario, measured };
         let joints = outputs(&robot, &source)?;
         let rate = measured.rate_hz();
-        check_cutoff("differentiate_cutoff_hz", differentiate_hz, rate)?;
-        check_cutoff("compare_cutoff_hz", compare_hz, rate)?;
+        check_cutoff(&source, "differentiate_cutoff_hz", differentiate_hz)?;
+        check_cutoff(&source, "compare_cutoff_hz", compare_hz)?;
         let filter = InverseModel::filter_of(compare_hz, rate);
         let motion = Motion::new(&robot, &source, differentiate_hz)?;
         let model = InverseModel {
@@ -334,15 +334,25 @@ fn cutoffs(scenario: &Scenario) -> Result<(f64, f64), SimError> {
     Ok((differentiate_cutoff_hz, compare_cutoff_hz))
 }
 
-fn check_cutoff(key: &str, hz: f64, rate_hz: f64) -> Result<(), SimError> {
+fn check_cutoff(source: &Source<'_>, key: &str, hz: f64) -> Result<(), SimError> {
+    let rate_hz = source.measured.rate_hz();
     if hz < 0.5 * rate_hz {
         return Ok(());
     }
+    let key = format!("process.replay.{key}");
+    // A default stands nowhere in the file: its reader must know where the value comes from.
+    let unsaid = match source.scenario.gives(&key) {
+        true => "",
+        false => " by default",
+    };
     let message = format!(
-        "is {hz}, but must be below half the rate of the data, {:.3} Hz",
-        0.5 * rate_hz
+        "`{key}` is {hz} Hz{unsaid}, but must be below {} Hz, half of the {} samples a second of {}: \
+         they show nothing above half their rate",
+        short_number(0.5 * rate_hz),
+        short_number(rate_hz),
+        source.measured.source
     );
-    Err(SimError::scenario(format!("process.replay.{key}"), message))
+    Err(SimError::scenario(key, message))
 }
 
 /// Joints whose drive force was measured.

@@ -130,6 +130,7 @@ impl Run<'_> {
         } = prediction;
         if self.claims != Claims::Ignore {
             scenario.check_claims(&header)?;
+            scenario.check_bands(compared.interval_s())?;
             scalars::check(scenario, Vec::new())?;
         }
         let started = Instant::now();

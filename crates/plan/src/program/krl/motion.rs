@@ -25,11 +25,7 @@ impl KrlReader<'_> {
         let name = self.source.word("a position")?.to_uppercase();
         match self.declared.places.get(&name) {
             Some(known) => Ok((name, known.clone())),
-            None => {
-                let why = "a place that neither the .src nor the .dat holds: what stands in \
-                           $config.dat must be declared in the .dat";
-                Err(self.fault(ProgramErrorKind::not_read(&name, why)))
-            }
+            None => Err(self.unknown_place(&name)),
         }
     }
 

@@ -40,6 +40,8 @@ pub(super) struct KrlReader<'a> {
     pub source: Source<'a>,
     path: &'a Path,
     pub declared: Declared,
+    /// The `.dat` that was looked for, if it is not there.
+    pub missing_data: Option<PathBuf>,
     pub output: Option<u32>,
     pub dof: usize,
     pub notes: Notes,
@@ -78,19 +80,14 @@ pub(super) fn read(
     let source = text(&source_file)
         .map_err(|error| ProgramError::in_file(&source_file, None, error.into()))?;
     let source = without_heads(&source);
-    let data_file = beside(&source_file, "dat");
-    let mut known = Declared::default();
-    match text(&data_file) {
-        Ok(data) => read_data(&without_heads(&data), &data_file, &mut known)?,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-        Err(error) => return Err(ProgramError::in_file(&data_file, None, error.into())),
-    }
+    let (known, missing_data) = data_beside(&source_file, text)?;
     let output = settings.spindle_number();
     let output = output.map_err(ProgramErrorKind::from)?;
     let mut reader = KrlReader {
         source: Source::new(&source, &source_file, &SYNTAX),
         path: &source_file,
         declared: known,
+        missing_data,
         output,
         dof: robot.dof(),
         notes: Notes::default(),
@@ -118,6 +115,24 @@ pub(super) fn read(
     reader.note_given();
     reader.head.notes = reader.notes.texts();
     follow(reader.head, reader.steps, robot, reader.path)
+}
+
+/// What the `.dat` beside the file declares; its path if it is not there, for a program may do
+/// without.
+fn data_beside(
+    source_file: &Path,
+    text: &ReadText<'_>,
+) -> Result<(Declared, Option<PathBuf>), ProgramError> {
+    let file = beside(source_file, "dat");
+    let mut known = Declared::default();
+    match text(&file) {
+        Ok(data) => read_data(&without_heads(&data), &file, &mut known)?,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            return Ok((known, Some(file)));
+        }
+        Err(error) => return Err(ProgramError::in_file(&file, None, error.into())),
+    }
+    Ok((known, None))
 }
 
 /// The text with its lines for the editor (`&ACCESS`) emptied.
@@ -180,6 +195,21 @@ impl KrlReader<'_> {
 
     pub(super) fn fault(&self, kind: ProgramErrorKind) -> ProgramError {
         self.source.error(self.source.last_line(), kind)
+    }
+
+    /// A fault of a place that no file declares.
+    pub(super) fn unknown_place(&self, name: &str) -> ProgramError {
+        let why = match &self.missing_data {
+            Some(file) => format!(
+                "a place that the .src does not hold, and {}, which would declare it, is not there: put it beside \
+                 the .src, with what stands in $config.dat declared in it",
+                file.display()
+            ),
+            None => "a place that neither the .src nor the .dat holds: what stands in $config.dat must be \
+                     declared in the .dat"
+                .to_owned(),
+        };
+        self.fault(ProgramErrorKind::not_read(name, &why))
     }
 
     /// Whether another one follows.

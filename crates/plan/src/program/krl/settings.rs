@@ -252,10 +252,7 @@ impl KrlReader<'_> {
                 let place = self.declared.places.entry(owner).or_default();
                 place.insert(part.to_owned(), value);
             }
-            (true, None) => {
-                let why = "a place that is not in the files";
-                return Err(self.fault(ProgramErrorKind::not_read(&word, why)));
-            }
+            (true, None) => return Err(self.unknown_place(&word)),
             (false, _) => self.notes.add(line, format!("{name} is left aside")),
         }
         Ok(())

@@ -6,6 +6,7 @@
 
 mod curve;
 mod entities;
+mod no_body;
 mod outline;
 mod part21;
 mod patch;
@@ -86,6 +87,10 @@ fn body(bytes: &[u8]) -> Result<StepBody, Fault> {
             "MAPPED_ITEM: the file holds a body that is used at several places; export one part alone",
         ));
     }
+    let mut names = file.numbers.iter().filter_map(|n| file.name(*n));
+    if !names.any(|name| BODIES.contains(&name)) {
+        return Err(no_body::fault(&file));
+    }
     let model = Model::new(&file)?;
     let places = Places::new(&model)?;
     let mut mesh = MeshData::default();
@@ -119,9 +124,7 @@ fn body(bytes: &[u8]) -> Result<StepBody, Fault> {
         faces.extend(builder.faces);
     }
     if mesh.triangles.is_empty() {
-        return Err(Fault::new(
-            "the file holds no body: MANIFOLD_SOLID_BREP, BREP_WITH_VOIDS and SHELL_BASED_SURFACE_MODEL are read",
-        ));
+        return Err(Fault::new("the file's bodies have no faces"));
     }
     Ok(StepBody { mesh, faces })
 }

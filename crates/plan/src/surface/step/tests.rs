@@ -114,7 +114,13 @@ fn what_cannot_be_read_is_named() {
         "{told}"
     );
     let told = refuse(&text.replace("MANIFOLD_SOLID_BREP", "CSG_SOLID"));
-    assert!(told.contains("the file holds no body"), "{told}");
+    assert!(
+        told.contains("the file holds no body")
+            && told.contains("FACETED_BREP, SHELL_BASED_SURFACE_MODEL are read")
+            && told.contains("it has 1 CSG_SOLID, 1 CLOSED_SHELL, ")
+            && told.contains("export the solid by its faces"),
+        "{told}"
+    );
     let told = refuse(&text.replace("GLOBAL_UNIT_ASSIGNED_CONTEXT", "OTHER_CONTEXT"));
     assert!(told.contains("no unit of length"), "{told}");
     assert!(refuse("solid block\n").contains("ISO-10303-21"));
@@ -125,6 +131,44 @@ fn what_cannot_be_read_is_named() {
     let wide = format!("{},44.0{}", &text[..comma], &text[end..]);
     let told = refuse(&wide);
     assert!(told.contains("off its surface"), "{told}");
+}
+
+/// What a file has in place of a body is told in one short line, so that its user knows what to
+/// export.
+#[test]
+fn a_file_without_a_body_tells_what_comes_nearest() {
+    let refuse = |entities: &str| {
+        let text = format!(
+            "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n{entities}ENDSEC;\nEND-ISO-10303-21;\n"
+        );
+        let (line, told) = read(text.as_bytes()).expect_err("no body");
+        assert!(
+            line.is_none() && !told.contains('\n') && told.len() < 400,
+            "{told}"
+        );
+        for body in BODIES {
+            assert!(told.contains(body), "{told}");
+        }
+        told
+    };
+    let told = refuse("#1 = LINE('',#2,#3);\n#4 = POLYLINE('',());\n#5 = LINE('',#2,#3);\n");
+    assert!(
+        told.contains("it has 1 POLYLINE, 2 LINE; wires hold no material"),
+        "{told}"
+    );
+    let told = refuse("#1 = CARTESIAN_POINT('',(0.,0.,0.));\n");
+    assert!(told.contains("no solids, faces or wires"), "{told}");
+    let many: String = (1..500)
+        .map(|n| format!("#{n} = {}{n}('');\n", "KIND_OF_A_USERS_OWN_".repeat(9)))
+        .collect();
+    let told = refuse(&format!(
+        "{many}#501 = TESSELLATED_SOLID('',(),$);\n#502 = OPEN_SHELL('',());\n\
+         #503 = EDGE_CURVE('',#1,#2,#3,.T.);\n#504 = CIRCLE('',#1,1.);\n"
+    ));
+    assert!(
+        told.contains("1 TESSELLATED_SOLID, 1 OPEN_SHELL, 1 EDGE_CURVE; triangles in STEP"),
+        "{told}"
+    );
 }
 
 /// Cut off or scribbled on anywhere, a file is refused or read, and nothing panics.
