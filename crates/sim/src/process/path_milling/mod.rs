@@ -7,6 +7,7 @@
 
 pub(crate) mod along;
 mod kept;
+mod left;
 mod nominal;
 mod peak;
 mod report;

@@ -1,17 +1,15 @@
-//! What a pass along a path reports: channels; forces, vibration, walls and floor by place; the
-//! part as it is left.
+//! What a pass along a path reports: channels; forces, vibration, walls and floor by place.
 
 use super::PathMilling;
 use super::kept::Stretch;
+use super::left::{floor_left_m, part};
 use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::TAU;
-use truecut_core::cutting::milling::layered::outline::Facing;
 use truecut_core::cutting::milling::layered::stock::LayeredStock;
 use truecut_core::cutting::milling::layered::walls::{Side, Station};
-use truecut_core::cutting::milling::layered::way::COARSEST;
-use truecut_recording::{Field, PartMesh, Profile, Scalar, Unit};
+use truecut_recording::{Field, Profile, Scalar, Unit};
 
 /// Most cells along a side of what is drawn.
 const DRAWN: usize = 240;
@@ -251,87 +249,6 @@ fn spread(findings: &mut Findings, name: &str, of: &str, left_m: &[f64]) {
         findings
             .scalars
             .push(Scalar::new(name, Unit::Metre, value, text));
-    }
-}
-
-/// Material left on floors by node; not a number where there is none, or no tooth has been.
-fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
-    let target = &milling.setup.meant.target;
-    if let Some(cos) = &milling.setup.meant.floor_cos {
-        return round_left_m(milling, cos);
-    }
-    let sloped = milling.setup.meant.floor_m.as_ref();
-    let floors = milling.cut.floor_m().iter().enumerate();
-    let left = floors.map(|(node, floor_m)| {
-        let place = target.place(node);
-        // Well within what the path takes, whatever the grid, the lowest layer that it takes.
-        let within_m = COARSEST * milling.setup.spec.cutter.radius_m;
-        let cut =
-            (0..target.layers().len()).find(|layer| target.beyond_m(*layer, &place) < -within_m);
-        let bottom_m = cut.map(|layer| target.layers()[layer].bottom_m);
-        match bottom_m.filter(|bottom| *bottom > target.block.least_m.z) {
-            Some(bottom_m) if floor_m.is_finite() => {
-                floor_m - sloped.map_or(bottom_m, |floor_m| floor_m[node])
-            }
-            _ => f64::NAN,
-        }
-    });
-    left.collect()
-}
-
-/// The same under a cutter with a round corner, along the normal of what the path as written
-/// leaves, where that is no steeper than 60 degrees.
-fn round_left_m(milling: &PathMilling, cos: &[f64]) -> Vec<f64> {
-    const STEEPEST: f64 = 0.5;
-    let meant = &milling.setup.meant;
-    let written = meant.floor_m.iter().flatten().zip(cos);
-    let floors = milling.cut.floor_m().iter().zip(written);
-    let block = meant.target.block;
-    let left = floors.map(|(floor_m, (written_m, cos))| {
-        let is_floor = *cos >= STEEPEST
-            && floor_m.is_finite()
-            && (block.least_m.z..block.most_m.z).contains(written_m);
-        match is_floor {
-            true => (floor_m - written_m) * cos,
-            false => f64::NAN,
-        }
-    });
-    left.collect()
-}
-
-/// The part with what is left beyond the target.
-fn part(milling: &PathMilling) -> PartMesh {
-    let (stock, target) = (milling.cut.stock(), &milling.setup.meant.target);
-    let floors = floor_left_m(milling);
-    let mut part = PartMesh::default();
-    for triangle in stock.surface() {
-        let left = triangle.corners_m.map(|corner| match triangle.facing {
-            // The block's underside has no target.
-            Facing::Under => f64::NAN,
-            Facing::Floor => floors[stock.nearest(&corner.xy())],
-            Facing::Wall { layer } => wall_left_m(target, layer, &corner),
-        });
-        let corners = triangle.corners_m;
-        part.triangles_m
-            .push(corners.map(|corner| [corner.x, corner.y, corner.z].map(|x| x as f32)));
-        part.left_m.push(left.map(|left| left as f32));
-    }
-    part
-}
-
-/// A corner so near to the block's face lies on it, m.
-const ON_FACE_M: f64 = 1e-12;
-
-/// How far a corner of a layer's wall stands out of the target; not a number on the block's faces.
-fn wall_left_m(target: &LayeredStock, layer: usize, corner: &Vector3<f64>) -> f64 {
-    let (least, most) = (target.block.least_m, target.block.most_m);
-    // Nodes are counted from one face: the last lies on the other but for rounding.
-    let near = |x: f64, face: f64| (x - face).abs() < ON_FACE_M;
-    let on_face =
-        (0..2).any(|axis| near(corner[axis], least[axis]) || near(corner[axis], most[axis]));
-    match on_face {
-        true => f64::NAN,
-        false => -target.beyond_m(layer, &corner.xy()),
     }
 }
 

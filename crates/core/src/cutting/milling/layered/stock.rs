@@ -151,6 +151,11 @@ impl LayeredStock {
         self.spacing_m.max()
     }
 
+    /// How far beside what is cut the distance to it is known, m.
+    pub fn known_m(&self) -> f64 {
+        KNOWN * self.grid_m()
+    }
+
     pub fn nodes(&self) -> [usize; 2] {
         self.nodes
     }
@@ -289,7 +294,7 @@ impl LayeredStock {
     /// A tooth has run on an arc in a layer; between its passes the axis moves by `travel_m` at
     /// most.
     pub(super) fn cut_arc(&mut self, layer: usize, arc: &ToothArc, travel_m: f64) {
-        let known_m = KNOWN * self.grid_m();
+        let known_m = self.known_m();
         let band_m = [
             arc.radius_m - known_m - 2.0 * travel_m,
             arc.radius_m + known_m,
@@ -349,7 +354,7 @@ impl LayeredStock {
         };
         let radii_m: Vec<f64> = layers.clone().map(radius_m).collect();
         let (from, to) = (leg[0].xy(), leg[1].xy());
-        let known_m = KNOWN * self.grid_m();
+        let known_m = self.known_m();
         let reach = Vector2::repeat(profile.radius_m + known_m);
         let range = self.between([from.inf(&to) - reach, from.sup(&to) + reach]);
         let well_m = self
