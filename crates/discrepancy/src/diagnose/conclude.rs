@@ -176,7 +176,8 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
     diagnosis.causes = causes(problem, last, &errors)?;
     diagnosis.nominal = nominal(problem, last, &errors);
     diagnosis.doubts = doubts(problem, last);
-    let unrelated = diagnosis.causes.iter().filter_map(unrelated);
+    let simulated = &outcome.base.predicted;
+    let unrelated = (diagnosis.causes.iter()).filter_map(|one| unrelated(problem, simulated, one));
     diagnosis.doubts.extend(unrelated);
     let rivals = match last.point.effects.is_empty() {
         true => Vec::new(),

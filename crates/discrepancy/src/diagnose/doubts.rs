@@ -1,6 +1,7 @@
 //! What is to be doubted about named causes: that they cancel one another, or lie at a bound.
 
 use super::answer::{Cause, key_and_unit, target_name};
+use super::data::Output;
 use super::fit::Fit;
 use super::noise::{add_columns, dot};
 use super::problem::Problem;
@@ -72,17 +73,98 @@ pub(super) fn doubts(problem: &Problem, fit: &Fit) -> Vec<String> {
     found
 }
 
-/// A sensor whose gain may be 0 shows nothing of what is simulated for it.
-pub(super) fn unrelated(cause: &Cause) -> Option<String> {
+/// A sensor whose gain may be 0 shows nothing of what is simulated for it, by the nominal model.
+/// Where another column does, it is named.
+pub(super) fn unrelated(problem: &Problem, simulated: &Columns, cause: &Cause) -> Option<String> {
     let gain = cause.parameters.values().next()?;
     let holds_zero = gain.low? <= 0.0 && gain.high? >= 0.0;
-    let channel = cause.target.as_ref()?;
-    (holds_zero && cause.kind == EffectKind::SensorGain.name()).then(|| {
-        format!(
-            "`{channel}` has nothing to do with what is simulated for it (its gain may be 0): look whether its column is \
-             another channel's, swapped, or dead"
-        )
+    let name = cause.target.as_ref()?;
+    if !holds_zero || cause.kind != EffectKind::SensorGain.name() {
+        return None;
+    }
+    let channels = problem.model.channels();
+    let channel = channels.iter().position(|spec| spec.name == *name);
+    let rows = &problem.split.development.per_channel;
+    let shown = channel.and_then(|c| shown_by(c, simulated, &problem.data.outputs, rows));
+    let advice = match shown {
+        None => "look whether its column is another channel's, swapped, or dead".to_owned(),
+        Some(shown) => {
+            let other = &channels[shown.other].name;
+            let told = format!(
+                "the column of `{other}` shows it (correlation {:.2}, its own column {:.2})",
+                shown.correlation, shown.own
+            );
+            match shown.is_swapped {
+                true => format!("{told}, and its own shows `{other}`: the two columns are swapped"),
+                false => format!("{told}: look whether columns are swapped"),
+            }
+        }
+    };
+    Some(format!(
+        "`{name}` has nothing to do with what is simulated for it (its gain may be 0): {advice}"
+    ))
+}
+
+/// From this correlation on, in magnitude, a column shows what is simulated for a channel.
+const SHOWS: f64 = 0.95;
+/// Below this one it does not.
+const SHOWS_NOT: f64 = 0.5;
+
+/// The channel whose column shows what another channel should.
+#[derive(Debug, PartialEq)]
+struct Shown {
+    other: usize,
+    correlation: f64,
+    /// That of the channel's own column.
+    own: f64,
+    /// Whether that column shows the other channel.
+    is_swapped: bool,
+}
+
+/// Looks for the column that shows what is simulated for a channel, whose own column does not.
+/// A column that shows its own channel is no other's, however much alike both move.
+fn shown_by(
+    channel: usize,
+    simulated: &Columns,
+    outputs: &[Output],
+    rows: &[Vec<usize>],
+) -> Option<Shown> {
+    let shows = |column: usize, channel: usize| {
+        let both = rows[channel].iter().copied();
+        let both = both.filter(|&t| outputs[column].valid[t]);
+        correlation(both.map(|t| [simulated[channel][t], outputs[column].values[t]]))
+    };
+    let own = shows(channel, channel);
+    if own.abs() >= SHOWS_NOT {
+        return None;
+    }
+    let others = (0..outputs.len()).filter(|other| *other != channel);
+    let (other, correlation) = others
+        .map(|other| (other, shows(other, channel)))
+        .filter(|(other, found)| found.abs() > SHOWS && shows(*other, *other).abs() <= SHOWS)
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    Some(Shown {
+        other,
+        correlation,
+        own,
+        is_swapped: shows(channel, other).abs() > SHOWS,
     })
+}
+
+/// Correlation of pairs; 0 where one of both stands still.
+fn correlation(pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let pairs: Vec<[f64; 2]> = pairs.collect();
+    let count = pairs.len() as f64;
+    let means = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).sum::<f64>() / count);
+    let product = |i: usize, j: usize| -> f64 {
+        let each = pairs.iter().map(|p| (p[i] - means[i]) * (p[j] - means[j]));
+        each.sum()
+    };
+    let sizes = product(0, 0).sqrt() * product(1, 1).sqrt();
+    match sizes > 0.0 {
+        true => product(0, 1) / sizes,
+        false => 0.0,
+    }
 }
 
 /// Whether two changes of a channel are each beyond what it does, and next to nothing together.
@@ -102,5 +184,57 @@ fn name(problem: &Problem, candidate: usize) -> String {
     match target_name(candidate) {
         Some(target) => format!("{} on {target}", candidate.kind.name()),
         None => candidate.kind.name().to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::tests::observed;
+    use crate::testing::{Colour, noise};
+
+    const SAMPLES: usize = 1000;
+
+    /// What is found for a channel whose data come from these columns of what is simulated, each
+    /// with a noise of a tenth.
+    fn found(channel: usize, simulated: &Columns, order: [usize; 3], seed: u64) -> Option<Shown> {
+        let measured = order.map(|k| simulated[k].clone()).to_vec();
+        let data = observed(&measured, &[0.1; 3], Colour::White, 1000 + seed, 0.01);
+        let rows: Vec<Vec<usize>> = vec![(0..SAMPLES).collect(); 3];
+        shown_by(channel, simulated, &data.outputs, &rows)
+    }
+
+    fn drawn(seed: u64) -> Columns {
+        let column = |k: u64| noise(Colour::Ar1(0.9), SAMPLES, 10 * seed + k);
+        (0..3).map(column).collect()
+    }
+
+    #[test]
+    fn a_swapped_column_is_named_with_the_channel_that_has_it() {
+        for seed in 0..10 {
+            let simulated = drawn(seed);
+            for (channel, other) in [(0, 1), (1, 0)] {
+                let shown = found(channel, &simulated, [1, 0, 2], seed).expect("a column");
+                assert_eq!((shown.other, shown.is_swapped), (other, true), "{shown:?}");
+                assert!(shown.correlation > 0.99 && shown.own.abs() < 0.5);
+            }
+            assert_eq!(found(2, &simulated, [1, 0, 2], seed), None);
+            // Passed on in a ring: which column it is is known, but no two are swapped.
+            let shown = found(0, &simulated, [1, 2, 0], seed).expect("a column");
+            assert_eq!((shown.other, shown.is_swapped), (2, false), "{shown:?}");
+        }
+    }
+
+    /// A column of a channel that moves alike is not taken from it; a dead one has no other.
+    #[test]
+    fn columns_that_show_their_own_channels_are_no_others() {
+        for seed in 0..10 {
+            let mut simulated = drawn(seed);
+            assert_eq!(found(0, &simulated, [0, 1, 2], seed), None);
+            simulated[1] = simulated[0].iter().map(|x| 2.0 * x).collect();
+            assert_eq!(found(0, &simulated, [2, 1, 2], seed), None);
+            let still = correlation(simulated[0].iter().map(|x| [*x, 7.0]));
+            assert_eq!(still, 0.0);
+        }
     }
 }
