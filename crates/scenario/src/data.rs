@@ -41,6 +41,10 @@ pub(crate) struct DataTable {
     /// Rate of the rows, if there is no column of times.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
     rate_hz: Option<f64>,
+    /// Seconds of the machine's clock in one of the file's, which are counted from the start of the
+    /// process. Default: 1.
+    #[schemars(extend("minimum" = 0.9, "maximum" = 1.1, "x-rule" = "two clocks agree better; other times have another time_unit or rate_hz"))]
+    clock_rate: Option<f64>,
     /// First time of the file that is used. Default: all.
     from_s: Option<f64>,
     /// Last time of the file that is used. Default: all.
@@ -141,6 +145,7 @@ impl DataTable {
             header: self.header.unwrap_or(true),
             mapping: Mapping {
                 time: time?,
+                clock_rate: self.clock_rate.unwrap_or(1.0),
                 window_s,
                 resample_hz: self.resample_hz,
                 max_gap_s: self.max_gap_s.unwrap_or(DEFAULT_MAX_GAP_S),

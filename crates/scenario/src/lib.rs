@@ -118,6 +118,6 @@ pub use run::{FaultRule, LONGEST_S, RunSpec};
 pub use scenario::Scenario;
 pub use sweep::{BisectSpec, SweepAxis, SweepClaim, SweepColumn, SweepSpec};
 pub use truecut_plan::motion::straight::{PathStart, StraightPath, TurnKnot};
-pub use uncertain::UncertainSpec;
+pub use uncertain::{CLOCK_RATE, UncertainSpec};
 pub use uncertain_law::UncertainLaw;
 pub use units::{key_unit, si_symbol};

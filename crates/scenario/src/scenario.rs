@@ -331,7 +331,7 @@ impl ScenarioTable {
         if facts.as_ref().is_some_and(|facts| facts.replays) {
             let because = "a replay takes the damping of the joints";
             check.ignored("robot", &["damping_ratio"], because);
-            check_replayed(&mut check);
+            check_replayed(&uncertain, &mut check);
         }
         let natural_s = facts.map(|facts| facts.natural_duration_s);
         let run =
@@ -379,7 +379,8 @@ impl ScenarioTable {
 }
 
 /// A replay has measured inputs and runs through all of them.
-fn check_replayed(check: &mut Check) {
+fn check_replayed(uncertain: &[UncertainSpec], check: &mut Check) {
+    uncertain::refuse_clock(uncertain, check);
     if check.document().has("data.starts_s") {
         let message =
             "`data.starts_s` has no effect: a replay runs through all of the data".to_owned();

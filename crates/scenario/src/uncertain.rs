@@ -40,8 +40,12 @@ pub(crate) struct UncertainTable {
     absolute: Option<f64>,
 }
 
+/// How fast the clock of the data goes beside that of the machine.
+pub const CLOCK_RATE: &str = "data.clock_rate";
+
 /// Factors whose value is 1 where the scenario does not give them.
-const FACTORS: [&str; 3] = [
+const FACTORS: [&str; 4] = [
+    CLOCK_RATE,
     "robot.inertia_scale",
     "robot.stiffness_scale",
     "robot.damping_scale",
@@ -55,6 +59,19 @@ pub(crate) fn refuse_twice(all: &[UncertainSpec], check: &mut Check) {
             let message = format!("`{at}` is \"{}\", which has a spread already", one.key);
             check.refuse(Fault::value(&at, message, "given twice"));
         }
+    }
+}
+
+/// Refuses an uncertain clock of a replay, whose inputs go by it, too.
+pub(crate) fn refuse_clock(all: &[UncertainSpec], check: &mut Check) {
+    if let Some(index) = all.iter().position(|one| one.key == CLOCK_RATE) {
+        let at = format!("uncertain.{index}.key");
+        let message = format!(
+            "`{at}` is \"{CLOCK_RATE}\", which a replay cannot tell: what drives the model is stamped by the clock of \
+             what it is compared with"
+        );
+        let fault = Fault::value(&at, message, "one clock for all");
+        check.refuse(fault.with_help("in mode \"inverse\" the effect `clock_rate` is looked for"));
     }
 }
 

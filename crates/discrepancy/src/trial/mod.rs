@@ -6,6 +6,7 @@
 
 pub(crate) mod cache;
 mod candidates;
+mod clock;
 pub(crate) mod curves;
 mod experiments;
 mod jumps;
@@ -154,6 +155,7 @@ impl Trial {
             false => scenario.with_overrides(&start.keys)?,
         };
         started.uncertain.extend(start.unknowns);
+        started.uncertain.extend(clock::unknown(&started));
         let scenario = &started;
         let measured = &crate::spikes::bridged(scenario, measured);
         let mut thinning = None;
@@ -378,7 +380,7 @@ impl Model for Trial {
             .with_overrides(&experiment.overrides)
             .map_err(|error| PredictError(error.to_string()))?;
         let rows = self.run(&scenario, self.reduced(), None)?;
-        Ok(self.at_the_data(&rows))
+        Ok(self.at_the_data(&rows, self.clock_rate(nominal)))
     }
 }
 

@@ -93,14 +93,15 @@ impl Trial {
         until_s: Option<f64>,
     ) -> Result<Columns, PredictError> {
         let until_s = until_s.filter(|_| !effects.iter().any(comes_early));
+        let clock_rate = self.clock_rate(nominal);
         if engine == Engine::Rapier || !self.scenario.effects.is_empty() {
             let rows = self.run(&self.varied(nominal, effects)?, engine, until_s)?;
-            return Ok(self.at_the_data(&rows));
+            return Ok(self.at_the_data(&rows, clock_rate));
         }
         let (sensors, machine): (Vec<Effect>, Vec<Effect>) =
             (effects.iter().cloned()).partition(|effect| effect.kind.family().is_instrumental());
         let key = RunKey {
-            nominal: nominal.to_vec(),
+            nominal: self.without_clock(nominal),
             machine: machine.clone(),
             until_s,
         };
@@ -108,9 +109,9 @@ impl Trial {
             self.run(&self.varied(nominal, &machine)?, engine, until_s)
         })?;
         if sensors.is_empty() {
-            return Ok(self.at_the_data(&run));
+            return Ok(self.at_the_data(&run, clock_rate));
         }
-        Ok(self.at_the_data(&self.sensed((*run).clone(), &sensors)))
+        Ok(self.at_the_data(&self.sensed((*run).clone(), &sensors), clock_rate))
     }
 
     /// What sensors with these effects make of a run.
@@ -151,10 +152,14 @@ impl Trial {
         }
     }
 
-    pub(super) fn at_the_data(&self, rows: &Rows) -> Columns {
+    /// A run's channels at the times of the samples, of a machine whose clock goes by `clock_rate`
+    /// for what the scenario has.
+    pub(super) fn at_the_data(&self, rows: &Rows, clock_rate: f64) -> Columns {
+        let times: Vec<Vec<f64>> = (self.stretches_s.iter())
+            .map(|times| times.iter().map(|time| clock_rate * time).collect())
+            .collect();
         let column = |(spec, values): (&ChannelSpec, &Vec<f64>)| {
-            let stretches = self.stretches_s.iter();
-            let mut sampled: Vec<f64> = stretches
+            let mut sampled: Vec<f64> = (times.iter())
                 .flat_map(|times| sampling::at(&rows.time_s, values, times))
                 .collect();
             if self.jumps.concern(&spec.name) {

@@ -79,7 +79,7 @@ impl Trial {
     /// `None` where it fails: the search tells.
     fn nominal_run(&self) -> Option<Columns> {
         let rows = self.run(&self.scenario, Engine::REDUCED, None).ok()?;
-        Some(self.at_the_data(&rows))
+        Some(self.at_the_data(&rows, 1.0))
     }
 
     /// The scenario with a step that a run may take: a whole part of the default one.

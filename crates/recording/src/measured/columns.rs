@@ -127,8 +127,12 @@ fn assemble(
     let combined = mapping.channels.iter().filter(|one| one.is_combined());
     notes.extend(combined.map(|one| format!("{} is {}", one.channel, one.whole_formula())));
     let channels = channels(mapping, &mut series, &base, &mut notes);
-    let time_s = base.times();
-    let passes = passes(source, mapping, &base, &time_s)?;
+    let mut time_s = base.times();
+    let mut passes = passes(source, mapping, &base, &time_s)?;
+    let starts = passes.iter_mut().map(|pass| &mut pass.start_s);
+    for time in time_s.iter_mut().chain(starts) {
+        *time *= mapping.clock_rate;
+    }
     if !passes.is_empty() {
         notes.push(format!(
             "{} passes, each from the process's own start",

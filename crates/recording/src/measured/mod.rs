@@ -90,6 +90,8 @@ pub struct ChannelMapping {
 pub struct Mapping {
     /// Where the times come from.
     pub time: TimeBase,
+    /// Seconds of the result in one of the file.
+    pub clock_rate: f64,
     /// The part of the file that is used, s, in the file's own time; ends are infinite if not
     /// given.
     pub window_s: [f64; 2],

@@ -47,6 +47,7 @@ fn mapping() -> Mapping {
             column: "t".into(),
             unit: UserUnit::from(Unit::Second),
         },
+        clock_rate: 1.0,
         window_s: [f64::NEG_INFINITY, f64::INFINITY],
         resample_hz: None,
         starts_s: Vec::new(),
@@ -389,6 +390,29 @@ fn one_pass_is_all_of_the_data() {
         (1, 0..400)
     );
     assert_eq!(data.process_time_s(), data.time_s);
+}
+
+/// By a clock that goes fast more of its seconds pass: those of the machine count, from the start of
+/// the data and of each pass. What is said in times of the file stays.
+#[test]
+fn times_of_a_clock_that_is_off_become_those_of_the_machine() {
+    let mut mapping = mapping();
+    mapping.starts_s = vec![0.1, 0.5];
+    mapping.window_s = [0.05, 0.95];
+    let own = measured(&table(1000), &mapping).unwrap();
+    mapping.clock_rate = 0.99;
+    let told = measured(&table(1000), &mapping).unwrap();
+    assert_eq!(told.channels, own.channels);
+    let samples = |data: &Measured| -> Vec<_> {
+        let passes = data.passes().into_iter();
+        passes.map(|pass| pass.samples).collect()
+    };
+    assert_eq!(samples(&told), samples(&own));
+    let times = told.process_time_s().into_iter().zip(own.process_time_s());
+    for (row, (machine_s, file_s)) in times.enumerate() {
+        assert!((machine_s - 0.99 * file_s).abs() < 1e-12, "{row}");
+    }
+    assert!((told.rate_hz() * 0.99 / own.rate_hz() - 1.0).abs() < 1e-12);
 }
 
 #[test]

@@ -200,6 +200,7 @@ mod tests {
             };
             let mapping = Mapping {
                 time: TimeBase::Rate { hz },
+                clock_rate: 1.0,
                 window_s: [f64::NEG_INFINITY, f64::INFINITY],
                 resample_hz: None,
                 max_gap_s: 0.05,

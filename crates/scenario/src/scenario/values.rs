@@ -72,6 +72,13 @@ impl Scenario {
         let parts: Vec<&str> = path.iter().map(String::as_str).collect();
         match parts[..] {
             ["robot", ref own @ ..] => self.gives("robot") && self.robot.set(own, value),
+            ["data", "clock_rate"] => {
+                let data = self.data.as_mut();
+                data.is_some_and(|data| {
+                    data.mapping.clock_rate = value;
+                    true
+                })
+            }
             // An effect that was added may stand in place of the file's.
             ["effect", index, own] if self.added.is_empty() && self.gives(key) => {
                 let effect = index
