@@ -328,10 +328,12 @@ impl ScenarioTable {
         let attached = facts
             .as_ref()
             .map(|facts| modes::attached(self.tool, self.workpiece, facts, &mut check));
-        if facts.as_ref().is_some_and(|facts| facts.replays) {
+        let replays = facts.as_ref().is_some_and(|facts| facts.replays);
+        uncertain::refuse_clock(&uncertain, replays, &mut check);
+        if replays {
             let because = "a replay takes the damping of the joints";
             check.ignored("robot", &["damping_ratio"], because);
-            check_replayed(&uncertain, &mut check);
+            check_replayed(&mut check);
         }
         let natural_s = facts.map(|facts| facts.natural_duration_s);
         let run =
@@ -379,8 +381,7 @@ impl ScenarioTable {
 }
 
 /// A replay has measured inputs and runs through all of them.
-fn check_replayed(uncertain: &[UncertainSpec], check: &mut Check) {
-    uncertain::refuse_clock(uncertain, check);
+fn check_replayed(check: &mut Check) {
     if check.document().has("data.starts_s") {
         let message =
             "`data.starts_s` has no effect: a replay runs through all of the data".to_owned();

@@ -62,24 +62,33 @@ pub(crate) fn refuse_twice(all: &[UncertainSpec], check: &mut Check) {
     }
 }
 
-/// Refuses an uncertain clock of a replay, whose inputs go by it, too.
-pub(crate) fn refuse_clock(all: &[UncertainSpec], check: &mut Check) {
-    if let Some(index) = all.iter().position(|one| one.key == CLOCK_RATE) {
-        let at = format!("uncertain.{index}.key");
-        let message = format!(
-            "`{at}` is \"{CLOCK_RATE}\", which a replay cannot tell: what drives the model is stamped by the clock of \
-             what it is compared with"
-        );
-        let fault = Fault::value(&at, message, "one clock for all");
-        check.refuse(fault.with_help("in mode \"inverse\" the effect `clock_rate` is looked for"));
-    }
+/// Refuses an uncertain clock that nothing tells.
+pub(crate) fn refuse_clock(all: &[UncertainSpec], replays: bool, check: &mut Check) {
+    let Some(index) = all.iter().position(|one| one.key == CLOCK_RATE) else {
+        return;
+    };
+    let why = match (replays, check.document().has("data")) {
+        (true, _) => {
+            "which a replay cannot tell: what drives the model is stamped by the clock of what it is \
+             compared with"
+        }
+        (false, false) => "but the scenario has no [data] whose clock that could be",
+        (false, true) => return,
+    };
+    let at = format!("uncertain.{index}.key");
+    let message = format!("`{at}` is \"{CLOCK_RATE}\", {why}");
+    let fault = Fault::value(&at, message, "nothing to tell it by");
+    check.refuse(match replays {
+        true => fault.with_help("in mode \"inverse\" the effect `clock_rate` is looked for"),
+        false => fault,
+    });
 }
 
 impl UncertainTable {
     /// `table` is the dotted path of this table. `None` after recording a fault.
     pub(crate) fn resolve(self, table: &str, check: &mut Check) -> Option<UncertainSpec> {
         let at = format!("{table}.key");
-        check_key(&self.key, &at, check).then_some(())?;
+        (self.key == CLOCK_RATE || check_key(&self.key, &at, check)).then_some(())?;
         let written = check.document().number(&self.key);
         let default = FACTORS.contains(&self.key.as_str()).then_some(1.0);
         let Some(value) = written.or(default) else {
