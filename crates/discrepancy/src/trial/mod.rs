@@ -154,8 +154,7 @@ impl Trial {
             true => scenario.clone(),
             false => scenario.with_overrides(&start.keys)?,
         };
-        started.uncertain.extend(start.unknowns);
-        started.uncertain.extend(clock::unknown(&started));
+        (started.uncertain).extend(clock::unknown(&started).into_iter().chain(start.unknowns));
         let scenario = &started;
         let measured = &crate::spikes::bridged(scenario, measured);
         let mut thinning = None;
