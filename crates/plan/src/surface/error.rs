@@ -46,6 +46,11 @@ pub enum SurfaceFault {
         before: f64,
     },
     #[error(
+        "{direction}: the patch begins and ends at knot {value}, but must reach from one knot to a larger one: it has \
+         no extent"
+    )]
+    KnotsWithoutSpan { direction: &'static str, value: f64 },
+    #[error(
         "{direction}: knot {value} stands {times} times where at most {limit} are allowed; more would tear a patch of degree {degree} there"
     )]
     KnotRepeated {

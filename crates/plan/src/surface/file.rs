@@ -209,6 +209,7 @@ impl RawPatch {
         match fault {
             SurfaceFault::KnotCount { direction, .. }
             | SurfaceFault::KnotsFall { direction, .. }
+            | SurfaceFault::KnotsWithoutSpan { direction, .. }
             | SurfaceFault::KnotRepeated { direction, .. } => knots(direction),
             SurfaceFault::NotFinite {
                 what: "knot of u", ..

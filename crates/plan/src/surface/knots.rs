@@ -90,7 +90,13 @@ impl Knots {
                 });
             }
         }
-        Ok(Self { degree, knots })
+        let known = Self { degree, knots };
+        let [first, last] = known.range();
+        if first >= last {
+            let value = first;
+            return Err(SurfaceFault::KnotsWithoutSpan { direction, value });
+        }
+        Ok(known)
     }
 
     /// First and last parameter.
@@ -105,7 +111,8 @@ impl Knots {
         let inside = &self.knots[self.degree..self.knots.len() - self.degree];
         let above = inside.partition_point(|k| *k <= t);
         if above < inside.len() {
-            return self.degree + above - 1;
+            // Of a parameter that is no number none is below: what comes of it is none either.
+            return self.degree + above.max(1) - 1;
         }
         let end = inside[inside.len() - 1];
         self.degree + inside.partition_point(|k| *k < end) - 1

@@ -142,6 +142,32 @@ mod tests {
         vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
     }
 
+    /// Between knots that are one there is no patch; at a parameter that is no number there is no
+    /// point.
+    #[test]
+    fn where_there_is_no_place_there_is_no_point() {
+        let rows: Vec<Vec<_>> = (0..3)
+            .map(|i| {
+                (0..2)
+                    .map(|j| Vector3::new(f64::from(i), f64::from(j), 0.0))
+                    .collect()
+            })
+            .collect();
+        let weights = vec![vec![1.0; 2]; 3];
+        let patch = |u: Vec<f64>| {
+            let knots = [u, vec![0.0, 0.0, 1.0, 1.0]];
+            NurbsPatch::new([2, 1], knots, &rows, &weights)
+        };
+        let told = patch(vec![0.0, 1.0, 2.0, 2.0, 3.0, 4.0]).map(|_| ());
+        let told = told.expect_err("no extent").to_string();
+        assert!(
+            told.contains("u: the patch begins and ends at knot 2"),
+            "{told}"
+        );
+        let known = patch(bezier_knots()).expect("a patch");
+        assert!(known.jet(f64::NAN, 0.5).point_m.x.is_nan());
+    }
+
     /// Quarter of a cylinder of radius R about y: exact in rational form, so all of its shape must
     /// be.
     #[test]

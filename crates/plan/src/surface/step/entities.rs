@@ -78,6 +78,9 @@ pub(super) fn numbers(entity: &Entity, value: &Value) -> Result<Vec<f64>, Fault>
     values.map(|value| number(entity, value)).collect()
 }
 
+/// No point of a workpiece lies further off, mm: as of any mesh.
+const FARTHEST_MM: f64 = 1e8;
+
 impl<'a> Model<'a> {
     pub(super) fn new(file: &'a Part21<'a>) -> Result<Self, Fault> {
         let mut model = Self {
@@ -183,7 +186,14 @@ impl<'a> Model<'a> {
     /// A point, mm.
     pub(super) fn point(&self, number: u64) -> Result<Vector3<f64>, Fault> {
         let entity = self.file.entity(number)?;
-        Ok(self.three(&entity, "CARTESIAN_POINT")? * self.unit_mm)
+        let point = self.three(&entity, "CARTESIAN_POINT")? * self.unit_mm;
+        match point.iter().find(|x| x.abs() > FARTHEST_MM) {
+            None => Ok(point),
+            Some(x) => Err(entity.fault(format!(
+                "a coordinate is {x:e} mm, but must be within {FARTHEST_MM:e} mm: no workpiece lies \
+                 further out; is the unit right?"
+            ))),
+        }
     }
 
     /// Of length 1.

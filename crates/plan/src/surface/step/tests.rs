@@ -133,6 +133,33 @@ fn what_cannot_be_read_is_named() {
     assert!(told.contains("off its surface"), "{told}");
 }
 
+/// A point so far off that its square is no number is refused, whatever it is a point of.
+#[test]
+fn points_beyond_all_parts_are_refused() {
+    for name in ["plate.step", "bracket.step", "flange.step"] {
+        let text = shipped(name);
+        let points: Vec<usize> = (text.match_indices("CARTESIAN_POINT"))
+            .map(|(at, _)| at)
+            .collect();
+        let mut refused = 0;
+        for at in points.iter().step_by(points.len() / 12) {
+            let open = at + text[*at..].find("(").expect("values") + 1;
+            let open = open + text[open..].find("(").expect("a list") + 1;
+            let close = open + text[open..].find(",").expect("three numbers");
+            let far = format!("{}1e308{}", &text[..open], &text[close..]);
+            // One that no face uses is not looked at.
+            if let Err((_, told)) = read(far.as_bytes()) {
+                assert!(
+                    told.contains("1e308 mm, but must be within 1e8 mm"),
+                    "{told}"
+                );
+                refused += 1;
+            }
+        }
+        assert!(refused > 6, "{name}: {refused}");
+    }
+}
+
 /// What a file has in place of a body is told in one short line, so that its user knows what to
 /// export.
 #[test]
