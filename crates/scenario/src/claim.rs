@@ -9,6 +9,7 @@ use truecut_recording::{ClaimSpec, RunReference};
 use crate::check::Check;
 use crate::fault::Fault;
 use crate::metric::MetricTable;
+use crate::written::Written;
 
 /// What must hold of the run.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -37,38 +38,7 @@ struct ReferenceTable {
     /// Its scenario file, relative to this one. Default: this scenario.
     scenario: Option<String>,
     /// Keys that are changed in it, as with --set.
-    set: Option<BTreeMap<String, SetValue>>,
-}
-
-/// A value as TOML writes it.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum SetValue {
-    Flag(bool),
-    Integer(i64),
-    Number(f64),
-    Text(String),
-}
-
-impl JsonSchema for SetValue {
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "SetValue".into()
-    }
-
-    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        schemars::json_schema!({ "type": ["number", "string", "boolean"] })
-    }
-}
-
-impl SetValue {
-    fn as_written(&self) -> String {
-        match self {
-            SetValue::Flag(flag) => flag.to_string(),
-            SetValue::Integer(number) => number.to_string(),
-            SetValue::Number(number) => number.to_string(),
-            SetValue::Text(text) => text.clone(),
-        }
-    }
+    set: Option<BTreeMap<String, Written>>,
 }
 
 impl ClaimTable {
@@ -127,9 +97,7 @@ impl ReferenceTable {
             let message = format!("`{table}` is this very run: it needs `scenario`, `set` or both");
             check.refuse(Fault::key(&table, message, "the ratio would always be 1"));
         }
-        let overrides = set
-            .iter()
-            .map(|(key, value)| (key.clone(), value.as_written()));
+        let overrides = set.iter().map(|(key, value)| (key.clone(), value.text()));
         RunReference {
             scenario: self.scenario,
             overrides: overrides.collect(),

@@ -86,6 +86,7 @@ mod uncertain;
 mod uncertain_law;
 mod units;
 mod windows;
+mod written;
 mod xacro_arguments;
 
 pub use adjust::{JointSpec, LinkSpec};

@@ -6,7 +6,7 @@ use super::fit::Fit;
 use super::noise::{add_columns, dot};
 use super::problem::Problem;
 use crate::model::Columns;
-use crate::stats::deviation;
+use crate::stats::{centred, deviation, ratio};
 use truecut_scenario::effect::{EffectKind, ParameterInfo};
 
 /// Whether a value lies at an end of where it was looked for. What is gone altogether is no such
@@ -153,18 +153,9 @@ fn shown_by(
 
 /// Correlation of pairs; 0 where one of both stands still.
 fn correlation(pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
-    let pairs: Vec<[f64; 2]> = pairs.collect();
-    let count = pairs.len() as f64;
-    let means = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).sum::<f64>() / count);
-    let product = |i: usize, j: usize| -> f64 {
-        let each = pairs.iter().map(|p| (p[i] - means[i]) * (p[j] - means[j]));
-        each.sum()
-    };
-    let sizes = product(0, 0).sqrt() * product(1, 1).sqrt();
-    match sizes > 0.0 {
-        true => product(0, 1) / sizes,
-        false => 0.0,
-    }
+    let (a, b): (Vec<f64>, Vec<f64>) = pairs.map(|[a, b]| (a, b)).unzip();
+    let (a, b) = (centred(&a), centred(&b));
+    ratio(dot(&a, &b), (dot(&a, &a) * dot(&b, &b)).sqrt())
 }
 
 /// Whether two changes of a channel are each beyond what it does, and next to nothing together.
