@@ -125,7 +125,8 @@ def run_pytest(python: Path) -> Counts:
         # which tests take longest is seen where time runs short
         told = ["-q", "--durations=20", f"--junitxml={report}"]
         command = [python, "-m", "pytest", *told, *side_by_side, *kept, *PYTHON_TESTS]
-        ended = subprocess.run(command, cwd=ROOT)
+        # the cores are taken: threads of linear algebra beside them wait for each other, twelve times as long at worst
+        ended = subprocess.run(command, cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
         counts = count_pytest(report) if report.exists() else Counts(0, 1)
     if ended.returncode != 0:
         counts = counts._replace(failed=max(counts.failed, 1))
