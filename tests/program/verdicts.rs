@@ -7,6 +7,7 @@ use crate::{BAD_INPUT, CLAIM_FAILED, DIVERGED, Desk, claim};
 
 const OVERLOADED: i32 = 6;
 const PLACEHOLDERS: i32 = 7;
+const BEYOND_MODEL: i32 = 8;
 
 /// A desk with a scenario of every kind in `all`; the slide's drive gives 20 kN. A load of 30 kN
 /// that is there at once swings nearly as far again beyond its rest: 3 times 20 kN less what half a
@@ -113,6 +114,39 @@ fn an_overload_is_told_but_does_not_fail_where_the_scenario_says_so() {
     // A claim of an overloaded run still has its number.
     let out = desk.ends(OVERLOADED, &run);
     assert!(out.contains("✓ swings"), "{out}");
+}
+
+/// A force F that is there at once winds a spring k up to (F/k)(1 + exp(-πζ/√(1 - ζ²))): 1.939 mm
+/// of the rig's slide under 1 kN, ζ = 0.02.
+#[test]
+fn verify_a_spring_wound_up_beyond_its_range_is_beyond_the_model() {
+    let desk = desk();
+    let zeta: f64 = 0.02;
+    let swing_m = 1e-3 * (1.0 + (-std::f64::consts::PI * zeta / (1.0 - zeta * zeta).sqrt()).exp());
+    let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots/rig_1dof/robot.toml");
+    let rig = std::fs::read_to_string(rig).unwrap();
+    for (name, share, code) in [("within", 1.01, 0), ("beyond", 0.99, BEYOND_MODEL)] {
+        let range = format!("linear_to_m = {:?}", share * swing_m);
+        let text = rig.replace("linear_to_m = 1.0", &range);
+        std::fs::write(desk.path(&format!("{name}_robot.toml")), text).unwrap();
+        desk.scenario(name, "duration_s = 0.1", "");
+        change(&desk, name, "release_n = [100", "constant_n = [1000");
+        let config = format!("config = '{name}_robot.toml'\n[run]");
+        change(&desk, name, "[run]", &config);
+        let out = desk.ends(code, &["run", &format!("{name}.toml"), "--no-rrd"]);
+        let summary = std::fs::read_to_string(desk.path(&format!("out/{name}/summary.json")));
+        let summary: serde_json::Value = serde_json::from_str(&summary.unwrap()).unwrap();
+        let outcome = &summary["outcome"]["beyond_model"];
+        assert_eq!(outcome.is_null(), code == 0, "{summary}");
+        if code != 0 {
+            let found = outcome["value"].as_f64().unwrap();
+            assert!((found / swing_m - 1.0).abs() < 1e-3, "{found}");
+            assert!(
+                out.contains("the wind-up of joint `slide`") && out.contains("linear_to_m"),
+                "{out}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -13,6 +13,8 @@
 //! [[joint]]
 //! name = "joint_1"                         # of the URDF; joints left out keep the URDF's values
 //! stiffness_nm_per_rad = 2.117e6           # a prismatic joint has stiffness_n_per_m,
+//! linear_to_rad = 0.01                     # optional wind-up at which the spring's line ends,
+//!                                          #   linear_to_m
 //! damping_nm_s_per_rad = 2011.15           #   damping_n_s_per_m,
 //! dry_friction_nm = 0.0                    #   dry_friction_n
 //! rotor_inertia_kg_m2 = 0.0                #   and rotor_mass_kg; all on the gear's joint side
@@ -25,6 +27,7 @@
 //! velocity_feed_forward = 1.0              # optional share of the command's velocity, default 1
 //! [joint.source]                           # one for each value above
 //! stiffness = "data sheet of the reducer"
+//! linear_to = "data sheet of the reducer"
 //! damping = "estimated: 2 % at the first mode"
 //! dry_friction = "estimated: neglected"
 //! rotor_inertia = "estimated"
@@ -274,6 +277,10 @@ impl<'a> ConfigReader<'a> {
         );
         if let Some((value, text)) = value(stiffness, &source.stiffness) {
             (transmission.stiffness, sources.stiffness) = (Some(value), text);
+        }
+        let linear = key!(raw.linear_to_rad, linear_to_m, "linear_to", Positive);
+        if let Some((value, text)) = value(linear, &source.linear_to) {
+            (transmission.linear_to, sources.linear_to) = (Some(value), text);
         }
         let damping = key!(
             raw.damping_nm_s_per_rad,

@@ -112,6 +112,7 @@ impl RobotReport {
             joints.map(move |joint| (joint.name.clone(), pick(joint).clone()))
         };
         write_sources(f, "stiffness", named(|j| &j.sources.stiffness))?;
+        write_sources(f, "spring's range", named(|j| &j.sources.linear_to))?;
         write_sources(f, "damping", named(|j| &j.sources.damping))?;
         write_sources(f, "dry friction", named(|j| &j.sources.dry_friction))?;
         write_sources(f, "rotor", named(|j| &j.sources.rotor_inertia))?;

@@ -379,6 +379,7 @@ fn the_documented_config_is_good() {
         .unwrap_or_else(|error| panic!("{error}\n{example}"));
     let transmission = &robot.chain.joints[0].transmission;
     assert_eq!(transmission.stiffness, Some(2.117e6));
+    assert_eq!(robot.chain.joints[0].linear_to(), 0.01);
     assert!(transmission.servo.is_some());
     assert_eq!(robot.chain.links[0].mass_kg, 425.0);
 }

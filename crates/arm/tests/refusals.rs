@@ -196,6 +196,21 @@ const CONFIG_FAULTS: &[(&str, usize, &[&str])] = &[
         &["`position_gain_per_s` is 0", "above zero"],
     ),
     (
+        "[[joint]]\nname = \"turn\"\nlinear_to_rad = 0\nsource.linear_to = \"x\"",
+        3,
+        &["\"turn\"", "`linear_to_rad` is 0", "above zero"],
+    ),
+    (
+        "[[joint]]\nname = \"turn\"\nlinear_to_rad = 0.01",
+        3,
+        &["`linear_to_rad` has no source", "linear_to = \"...\""],
+    ),
+    (
+        "[[joint]]\nname = \"slide\"\nlinear_to_rad = 0.01\nsource.linear_to = \"x\"",
+        3,
+        &["\"slide\" is prismatic", "use `linear_to_m`"],
+    ),
+    (
         "[[joint]]\nname = \"turn\"\npulses_per_deg = 0\nsource.pulses = \"x\"",
         3,
         &["\"turn\"", "`pulses_per_deg` is 0", "above zero"],

@@ -11,6 +11,7 @@ use crate::guard::Guard;
 use crate::plant::Plant;
 use crate::process::{Process, StandingPart, tells_unfinished};
 use crate::scene::{Setting, Stage, scene};
+use crate::spring_use::SpringUse;
 use crate::torque_use::TorqueUse;
 use deflection::PathDeflection;
 use nalgebra::{Matrix3, Vector3};
@@ -54,6 +55,7 @@ pub(crate) struct Cell {
     /// Kinetic and potential energy at the last step, J.
     energy_j: (f64, f64),
     torque_use: TorqueUse,
+    spring_use: SpringUse,
     /// Why the arm's masses are not its own, where that fails the run.
     placeholders: Option<String>,
     /// That the clock of the data runs faster than the plant steps.
@@ -273,6 +275,9 @@ impl Cell {
             };
         }
         if outcome == Outcome::Completed {
+            outcome = self.spring_use.outcome();
+        }
+        if outcome == Outcome::Completed {
             let counts = self.scenario.run.overload == FaultRule::Fail;
             let overload = findings.overload.filter(|_| counts);
             let is_whole = !self.notes.iter().any(|note| tells_unfinished(note));
@@ -280,6 +285,7 @@ impl Cell {
             outcome = findings.beyond.or(idle).or(overload).unwrap_or_default();
         }
         self.scalars.extend(self.torque_use.scalars());
+        self.scalars.extend(self.spring_use.scalar());
         self.scalars.extend(findings.scalars);
         Ok(RunEnd {
             scalars: self.scalars,

@@ -46,6 +46,7 @@ pub mod replay;
 mod robots;
 pub mod run;
 mod scene;
+mod spring_use;
 pub mod stability;
 mod step_size;
 pub mod sweep;

@@ -80,6 +80,12 @@ pub(super) struct RawJoint {
     /// Stiffness of a slide, above 0.
     #[schemars(with = "Option<f64>")]
     pub(super) stiffness_n_per_m: Number,
+    /// Wind-up to which the spring of a rotary joint is a straight line, above 0. Default: 0.03.
+    #[schemars(with = "Option<f64>")]
+    pub(super) linear_to_rad: Number,
+    /// Deflection to which the spring of a slide is a straight line, above 0. Default: 0.01.
+    #[schemars(with = "Option<f64>")]
+    pub(super) linear_to_m: Number,
     /// Damping of a rotary joint.
     #[schemars(with = "Option<f64>")]
     pub(super) damping_nm_s_per_rad: Number,
@@ -141,6 +147,8 @@ pub(super) struct RawServo {
 pub(super) struct RawSource {
     /// Of the stiffness.
     pub(super) stiffness: Option<String>,
+    /// Of the range in which the spring is a straight line.
+    pub(super) linear_to: Option<String>,
     /// Of the damping.
     pub(super) damping: Option<String>,
     /// Of the dry friction.

@@ -14,6 +14,7 @@ use crate::posture::joint_limits;
 use crate::robots::Robots;
 use crate::run::Extent;
 use crate::scene::Setting;
+use crate::spring_use::SpringUse;
 use crate::step_size::Scheme;
 use crate::torque_use::{TorqueUse, servo_note, unchecked_note};
 use std::sync::Arc;
@@ -120,6 +121,7 @@ impl Cell {
             steps,
             energy_j: (0.0, 0.0),
             torque_use: TorqueUse::new(&prepared),
+            spring_use: SpringUse::new(&prepared),
             hasty_clock: None,
             placeholders: (prepared.robot.chain.placeholders.clone())
                 .filter(|_| scenario.run.placeholders == FaultRule::Fail),

@@ -36,6 +36,7 @@ impl Cell {
             .finish(&self.contacts.wrenches, &self.contacts.joint_torques);
         if !self.rows_only {
             self.torque_use.watch(time_s, self.plant.as_ref());
+            self.spring_use.watch(time_s, self.plant.joints());
         }
         // The arm stands where it stood; only its velocity is known better.
         state.tool.velocity_m_per_s = self.velocity(Attachment::Tool);

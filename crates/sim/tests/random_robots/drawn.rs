@@ -268,6 +268,7 @@ fn transmission(
             "rotor_mass_kg",
             "velocity_gain_n_s_per_m",
             "force_limit_n",
+            "linear_to_m",
         ],
         false => [
             "stiffness_nm_per_rad",
@@ -276,6 +277,7 @@ fn transmission(
             "rotor_inertia_kg_m2",
             "velocity_gain_nm_s_per_rad",
             "torque_limit_nm",
+            "linear_to_rad",
         ],
     };
     let values = [stiffness, damping, friction, rotor];
@@ -285,8 +287,9 @@ fn transmission(
     }
     let _ = writeln!(
         toml,
-        "[joint.servo]\nposition_gain_per_s = {:?}\n{} = {:?}\n{} = {limit:?}\n[joint.source]\n\
-         stiffness = \"drawn\"\ndamping = \"drawn\"\ndry_friction = \"drawn\"\nrotor_inertia = \"drawn\"\nservo = \"drawn\"",
+        "{} = 10\n[joint.servo]\nposition_gain_per_s = {:?}\n{} = {:?}\n{} = {limit:?}\n[joint.source]\n\
+         stiffness = \"drawn\"\nlinear_to = \"drawn: everywhere\"\ndamping = \"drawn\"\ndry_friction = \"drawn\"\nrotor_inertia = \"drawn\"\nservo = \"drawn\"",
+        units[6],
         bandwidth_rad_s / 10.0,
         units[4],
         bandwidth_rad_s * rotor,
