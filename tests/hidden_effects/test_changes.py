@@ -108,6 +108,26 @@ def test_crosscheck_mujoco_what_changes_over_time_is_told(change, repeats, seed,
 
 
 @pytest.mark.parametrize("repeats", [True, False])
+@pytest.mark.parametrize(("what", "lasts_s"), [("drags", 3.0), ("off", 5.0), ("push", 0.4)])
+@pytest.mark.parametrize("seed", range(69_000, 69_002))
+def test_crosscheck_mujoco_what_sets_in_and_stops_is_told(what, lasts_s, repeats, seed, tmp_path):
+    """A brake that drags for a while, a gain that is off for a while and a blow are told with both moments: they come
+    once, and differences between periods, which hold them, are no noise."""
+    arm = Changing(seed, tmp_path / "arm", repeats)
+    torque, j = arm.torque(), arm.joint
+    inside = (arm.time > arm.moment_s) & (arm.time < arm.moment_s + lasts_s)
+    size = torque[:, j].std()
+    shape = {"drags": np.sign(arm.speed[:, j]), "off": 0.4 * torque[:, j] / size, "push": np.ones_like(arm.time)}[what]
+    torque[:, j] += inside * size * shape
+    found = named(arm.scenario(), arm.data(torque, "white"))
+    assert found["verdict"] == "unknown_cause", found["reason"]
+    own = [one for one in found["changes"] if one["channel"] == f"joint{j + 1}.drive_torque"]
+    ends = [(one["from_s"], one["until_s"]) for one in own if one.get("until_s") is not None]
+    truth = (arm.moment_s, arm.moment_s + lasts_s)
+    assert any(max(abs(a - b) for a, b in zip(pair, truth)) < 0.5 for pair in ends), (truth, found["changes"])
+
+
+@pytest.mark.parametrize("repeats", [True, False])
 @pytest.mark.parametrize("colour", ["white", "ar1", "one_over_f"])
 @pytest.mark.parametrize("seed", range(67_000, 67_002))
 def test_crosscheck_mujoco_slow_noise_is_no_change(colour, repeats, seed, tmp_path):

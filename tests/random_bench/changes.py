@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How often what changes over time is told: `python tests/random_bench/changes.py --seed N --sets 20` hides on drawn arms
 a brake that sets in, a friction that fades, a gain that jumps and an offset that creeps, at moments and in sizes drawn,
-and beside them nothing, or a friction, a gain or an offset that acts all along; drive torques are MuJoCo's. `--program`
+a brake that drags for a while, a gain that is off for a while, a push, and beside them nothing, or a friction, a gain or an offset that acts all along; drive torques are MuJoCo's. `--program`
 may be given several times: all are asked about the same data.
 """
 
@@ -32,12 +32,15 @@ PROGRAM = str(ROOT / "target" / "release" / "truecut")
 # a machine that does other things besides is no reason for a refusal
 TIME_LIMIT_S = 600.0
 CHANGES = ("brake", "fades", "gain", "creeps")
+# between two moments, from a fortieth of the record to half of it
+STRETCHES = ("drags", "off", "push")
 STEADY = {
     "friction": {"joint_coulomb", "joint_asymmetric_coulomb"},
     "scale": {"sensor_gain"},
     "offset": {"sensor_offset", "joint_offset"},
 }
 FORMS = (*CHANGES, "clean", *STEADY)
+ALL_FORMS = (*FORMS, *STRETCHES)
 # what is hidden, over the noise that the filter of the comparison leaves, rms
 LEAST, MOST = 3.0, 60.0
 # the channels go through a filter of 5 Hz
@@ -58,6 +61,9 @@ class Hidden(Changing):
         self.fades_s = float(draw.uniform(0.15, 0.6)) * DURATION_S
         self.over_noise = float(np.exp(draw.uniform(np.log(LEAST), np.log(MOST))))
         self.sign = float(draw.choice([-1.0, 1.0]))
+        self.lasts_s = float(np.exp(draw.uniform(np.log(0.025), np.log(0.5)))) * DURATION_S
+        if form in STRETCHES:
+            self.moment_s = float(draw.uniform(0.1, 0.9)) * (DURATION_S - self.lasts_s)
 
     def columns(self) -> dict[str, np.ndarray]:
         """The data."""
@@ -65,6 +71,7 @@ class Hidden(Changing):
         noise = unit_noise(self.colour, *torque.shape, RATE_HZ, BAND_HZ, self.seed)
         noise *= self.noise * torque.std(axis=0)
         late, friction = self.time > self.moment_s, np.sign(self.speed[:, j])
+        inside = late & (self.time < self.moment_s + self.lasts_s)
         shape = {
             "brake": late * friction,
             "fades": np.exp(-self.time / self.fades_s) * friction,
@@ -74,6 +81,9 @@ class Hidden(Changing):
             "friction": friction,
             "scale": self.sign * torque[:, j],
             "offset": self.sign * np.ones_like(self.time),
+            "drags": inside * friction,
+            "off": self.sign * inside * torque[:, j],
+            "push": self.sign * inside,
         }[self.form]
         size = self.over_noise * self.noise * torque[:, j].std()
         torque[:, j] += size * shape / max(rms(shape), 1e-12)
@@ -94,7 +104,7 @@ class Hidden(Changing):
         own = f"joint{self.joint + 1}"
         if self.form == "clean":
             return "right" if found["verdict"] == "nothing_beyond_noise" and not changes else "false alarm"
-        if self.form in CHANGES:
+        if self.form in (*CHANGES, *STRETCHES):
             in_drift = any(kind == "sensor_drift" and own in target for kind, target in causes)
             if self.form == "creeps" and in_drift and found["verdict"] in ("named", "ambiguous"):
                 return "right"
@@ -128,7 +138,8 @@ def one(seed: int, form: str, folder: Path, programs: list[str]) -> list[dict]:
             "repeats": hidden.repeats,
             "colour": hidden.colour,
             "over_noise": round(hidden.over_noise, 1),
-            "moment_s": round(hidden.moment_s if form in ("brake", "gain") else hidden.fades_s, 2),
+            "moment_s": round(hidden.moment_s if form in ("brake", "gain", *STRETCHES) else hidden.fades_s, 2),
+            "lasts_s": round(hidden.lasts_s, 2) if form in STRETCHES else None,
             "seconds": round(answer.seconds, 1),
             "judged": "refused",
         }
@@ -138,7 +149,7 @@ def one(seed: int, form: str, folder: Path, programs: list[str]) -> list[dict]:
                 "judged": hidden.judged(found),
                 "verdict": found["verdict"],
                 "causes": [f"{c['kind']} {c['target']}" for c in found["causes"]],
-                "changes": [(c["channel"], c["from_s"], c["what"]) for c in found.get("changes", [])],
+                "changes": [(c["channel"], c["from_s"], c.get("until_s"), c["what"]) for c in found.get("changes", [])],
                 "floors": sorted({c["noise_source"] for c in found["channels"].values()}),
                 "followed": [
                     (one["channel"], one["signal"], one["fraction"]) for one in found["ceiling"]["correlated_signals"]
@@ -165,7 +176,7 @@ def is_told(one: dict) -> bool:
 def table(found: list[dict], programs: int) -> str:
     """Rates with exact 95 % intervals, a line for each form and program."""
     rows = ["| hidden | program | right | told as a change, in its channel | other answers |", "|" + " --- |" * 5]
-    for form in FORMS:
+    for form in ALL_FORMS:
         for i in range(programs):
             own = [f for f in found if f["form"] == form and f["program"] == i]
             if not own:
@@ -181,17 +192,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, required=True, help="first seed")
     parser.add_argument("--sets", type=int, default=20, help="number of sets of each form")
-    parser.add_argument("--form", choices=FORMS, action="append", help="only this; may be given several times")
+    parser.add_argument("--form", choices=ALL_FORMS, action="append", help="only this; may be given several times")
     parser.add_argument("--program", action="append", help="truecut; may be given several times")
     parser.add_argument("--jobs", type=int, default=2, help="sets at once")
     parser.add_argument("--log", type=Path, help="file of a line of JSON for each answer")
     arguments = parser.parse_args()
-    programs, forms = arguments.program or [PROGRAM], arguments.form or FORMS
+    programs, forms = arguments.program or [PROGRAM], arguments.form or ALL_FORMS
     found = []
     with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor(arguments.jobs) as pool:
-        # a form has its seeds, whichever others are asked
+        # a form has its seeds, whichever others are asked; those of stretches are those of the forms in their order
         jobs = [
-            pool.submit(one, arguments.seed + FORMS.index(form) + len(FORMS) * i, form, Path(folder) / f"{form}_{i}", programs)
+            pool.submit(one, arguments.seed + ALL_FORMS.index(form) % len(FORMS) + len(FORMS) * i, form, Path(folder) / f"{form}_{i}", programs)
             for i in range(arguments.sets)
             for form in forms
         ]

@@ -178,6 +178,9 @@ pub struct Change {
     pub channel: String,
     /// From about when, in seconds of the data; null if it changes all the time.
     pub from_s: Option<f64>,
+    /// Until about when; null if it stays, or changes all the time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until_s: Option<f64>,
     /// What changes: the law whose trace it has.
     pub what: String,
 }

@@ -167,6 +167,7 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
             changes.extend(group.changes.map(|onset| Change {
                 channel: signal.channel.clone(),
                 from_s: onset.from_s,
+                until_s: onset.until_s,
                 what: match group.law.as_str() {
                     "" => group.name.clone(),
                     law => law.to_owned(),

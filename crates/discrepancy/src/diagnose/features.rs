@@ -34,6 +34,21 @@ pub(super) const TIME: &str = "time";
 pub(super) struct Onset {
     /// Of the data, in seconds; none if it changes all the time.
     pub from_s: Option<f64>,
+    /// When it is again what it was; none if it stays.
+    pub until_s: Option<f64>,
+}
+
+impl Onset {
+    /// All the time.
+    pub const STEADY: Onset = Onset {
+        from_s: None,
+        until_s: None,
+    };
+
+    /// The moments that it has.
+    pub fn moments_s(self) -> impl Iterator<Item = f64> {
+        self.from_s.into_iter().chain(self.until_s)
+    }
 }
 
 impl Group {
@@ -90,7 +105,7 @@ pub(super) fn groups(problem: &Problem, predicted: &Columns) -> Vec<Group> {
     let mut groups = vec![
         Group::of_time("a constant", vec![vec![1.0; data.time_s.len()]]),
         Group {
-            changes: Some(Onset { from_s: None }),
+            changes: Some(Onset::STEADY),
             ..Group::of_time(TIME, (0..4).map(power).collect())
         },
     ];

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use truecut_recording::significant;
 
 use super::Target;
-use super::onset::{Step, best_moment};
+use super::onset::{Step, best_moment, best_window};
 use crate::diagnose::answer::target_name;
 use crate::diagnose::features::{Group, Onset};
 use crate::diagnose::noise::{dot, explained};
@@ -20,6 +20,11 @@ use crate::model::Columns;
 const PARTS: usize = 24;
 /// Parts on either side of a change: what happens in less comes once and has no law.
 const LEAST_PARTS: usize = 2;
+/// Shortest stretch in which something is another, s: a gap of up to 0.05 s is bridged and a spike
+/// replaced, and what is off beside them is no event.
+const SHORTEST_S: f64 = 0.1;
+/// And its samples: each is foretold by the others.
+const FEWEST: usize = 3;
 /// Changes that are tried at most, by what they explain under white noise for their numbers.
 const PROMISING: usize = 8;
 
@@ -39,9 +44,10 @@ impl Target<'_> {
                 .collect();
             let law = self.law(signature);
             let courses = match traces.is_empty() {
-                true => [None, None],
+                true => [None, None, None],
                 false => [
                     self.at_once(&law, &traces, &samples),
+                    self.for_a_while(&law, &traces, &samples),
                     self.steadily(&law, &traces),
                 ],
             };
@@ -64,7 +70,7 @@ impl Target<'_> {
         // Signatures of one law at other sizes say the same.
         let mut best: Vec<Group> = Vec::new();
         for (_, group) in found {
-            let kind = |one: &Group| one.changes.is_some_and(|onset| onset.from_s.is_some());
+            let kind = |one: &Group| one.changes.map(|onset| onset.moments_s().count());
             let is_new =
                 (best.iter()).all(|other| other.law != group.law || kind(other) != kind(&group));
             if is_new && best.len() < PROMISING {
@@ -75,40 +81,53 @@ impl Target<'_> {
         refined.map(|group| self.refined(group, &samples)).collect()
     }
 
-    /// A change at once, where its moment lies between samples, through the filter of the data.
+    /// A change at once, where its moments lie between samples, through the filter of the data.
     fn refined(&self, group: Group, samples: &[usize]) -> Group {
         let data = self.problem.data;
         let (Some(fine), Some(onset)) = (&data.fine, group.changes) else {
             return group;
         };
-        let Some(from_s) = onset.from_s else {
+        let row = |moment_s: f64| data.time_s.partition_point(|time_s| *time_s < moment_s);
+        let rows: Vec<usize> = onset.moments_s().map(row).collect();
+        if rows.is_empty() {
             return group;
-        };
-        let row = data.time_s.partition_point(|time_s| *time_s < from_s);
+        }
         let step = Step::of(fine);
         let left: Vec<f64> = samples.iter().map(|&t| self.residual[t]).collect();
-        let gain = |moment: usize| {
+        let gain = |moments: &[usize]| {
             let picked = |x: Vec<f64>| samples.iter().map(|&t| x[t]).collect();
-            let columns: Vec<Vec<f64>> = parted(&group.traces, |t| step.passed(t, moment))
+            let columns: Vec<Vec<f64>> = parted(&group.traces, |t| step.between(t, moments))
                 .map(picked)
                 .collect();
             explained(&left, &columns)
         };
-        let Some(moment) = step
-            .moments_about(row)
-            .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
-        else {
-            return group;
+        let mut moments: Vec<usize> = rows.iter().map(|row| row * fine.every).collect();
+        for k in 0..rows.len() {
+            let at = |moment: usize| {
+                let mut moved = moments.clone();
+                moved[k] = moment;
+                moved
+            };
+            let about = step.moments_about(rows[k]);
+            let best = about.max_by(|a, b| gain(&at(*a)).total_cmp(&gain(&at(*b))));
+            if let Some(best) = best {
+                moments[k] = best;
+            }
+        }
+        let time_s = |k: usize| {
+            let row = rows[k].max(1);
+            let interval_s = data.time_s[row] - data.time_s[row - 1];
+            let later = (moments[k] as f64 - (row * fine.every) as f64) / fine.every as f64;
+            data.time_s[row] + interval_s * later
         };
-        let interval_s = data.time_s[row] - data.time_s[row - 1];
-        let later = (moment as f64 - (row * fine.every) as f64) / fine.every as f64;
-        let from_s = data.time_s[row] + interval_s * later;
+        let onset = Onset {
+            from_s: Some(time_s(0)),
+            until_s: (rows.len() > 1).then(|| time_s(1)),
+        };
         Group {
-            name: at_about(&group.law, from_s),
-            changes: Some(Onset {
-                from_s: Some(from_s),
-            }),
-            features: parted(&group.traces, |t| step.passed(t, moment)).collect(),
+            name: at_about(&group.law, onset),
+            changes: Some(onset),
+            features: parted(&group.traces, |t| step.between(t, &moments)).collect(),
             ..group
         }
     }
@@ -143,15 +162,51 @@ impl Target<'_> {
         fine.dedup();
         let inner = 1..fine.len() - 1;
         let row = samples[fine[best_moment(&picked, &left, &fine, inner)?]];
-        let from_s = self.problem.data.time_s[row];
+        let onset = Onset {
+            from_s: Some(self.problem.data.time_s[row]),
+            until_s: None,
+        };
         let features = parted(traces, |t| if t >= row { 1.0 } else { 0.0 });
         Some(Group {
             chosen: 1,
             law: law.to_owned(),
-            changes: Some(Onset {
-                from_s: Some(from_s),
-            }),
-            ..Group::of_time(at_about(law, from_s), features.collect())
+            changes: Some(onset),
+            ..Group::of_time(at_about(law, onset), features.collect())
+        })
+    }
+
+    /// Another between two moments than before and after them: a brake that drags for a while, a
+    /// blow, a part that is held and put down.
+    fn for_a_while(&self, law: &str, traces: &[&Vec<f64>], samples: &[usize]) -> Option<Group> {
+        let at = |x: &[f64]| -> Vec<f64> { samples.iter().map(|&t| x[t]).collect() };
+        let picked: Vec<Vec<f64>> = traces.iter().map(|trace| at(trace)).collect();
+        let left = at(self.residual);
+        let count = samples.len();
+        let coarse: Vec<usize> = (0..=PARTS).map(|part| count * part / PARTS).collect();
+        let [from, until] = best_window(&picked, &left, &coarse)?;
+        let about = |part: usize| {
+            let (from, to) = (coarse[part - 1], coarse[part + 1]);
+            (0..=PARTS).map(move |i| from + (to - from) * i / PARTS)
+        };
+        let mut fine: Vec<usize> = about(from).chain(about(until)).chain([0, count]).collect();
+        fine.sort_unstable();
+        fine.dedup();
+        let [from, until] = best_window(&picked, &left, &fine)?.map(|edge| samples[fine[edge]]);
+        let time_s = &self.problem.data.time_s;
+        if time_s[until] - time_s[from] < SHORTEST_S || until - from < FEWEST {
+            return None;
+        }
+        let onset = Onset {
+            from_s: Some(time_s[from]),
+            until_s: Some(time_s[until]),
+        };
+        let inside = |t: usize| if (from..until).contains(&t) { 1.0 } else { 0.0 };
+        let features = parted(traces, inside);
+        Some(Group {
+            chosen: 2,
+            law: law.to_owned(),
+            changes: Some(onset),
+            ..Group::of_time(at_about(law, onset), features.collect())
         })
     }
 
@@ -167,7 +222,7 @@ impl Target<'_> {
         });
         Some(Group {
             law: law.to_owned(),
-            changes: Some(Onset { from_s: None }),
+            changes: Some(Onset::STEADY),
             ..Group::of_time(
                 format!("{law}, which changes with time"),
                 features.collect(),
@@ -176,12 +231,18 @@ impl Target<'_> {
     }
 }
 
-fn at_about(law: &str, from_s: f64) -> String {
-    format!("{law}, which changes at about {} s", significant(from_s, 3))
+fn at_about(law: &str, onset: Onset) -> String {
+    let moments: Vec<String> = (onset.moments_s())
+        .map(|moment_s| significant(moment_s, 3))
+        .collect();
+    match moments.as_slice() {
+        [from, until] => format!("{law}, which is another from about {from} to {until} s"),
+        _ => format!("{law}, which changes at about {} s", moments.concat()),
+    }
 }
 
-/// Of each trace what is before a moment and what is after it; `passed` is the part of a sample
-/// that is after it.
+/// Of each trace what is before a moment and what is after it, or what is outside of a stretch and
+/// what is inside; `passed` is the part of a sample that is after it or inside.
 fn parted<'a, T: AsRef<[f64]>>(
     traces: &'a [T],
     passed: impl Fn(usize) -> f64 + Copy + 'a,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{GroupTrial, Target};
-use crate::diagnose::features::Group;
+use crate::diagnose::features::{Group, Onset};
 use crate::diagnose::noise::{ChannelNoise, Prior, dot};
 use crate::stats::ratio;
 
@@ -57,12 +57,11 @@ impl Target<'_> {
 
     /// The folds by which groups are cross-validated.
     pub(super) fn folds(&self, groups: &[&Group]) -> Folds {
-        let onsets = groups.iter().filter_map(|group| group.changes);
-        let onsets: Vec<Option<f64>> = onsets.map(|onset| onset.from_s).collect();
-        match onsets.is_empty() {
-            true => self.folds.clone(),
-            false => {
-                let moments_s: Vec<f64> = onsets.into_iter().flatten().collect();
+        let mut onsets = groups.iter().filter_map(|group| group.changes).peekable();
+        match onsets.peek() {
+            None => self.folds.clone(),
+            Some(_) => {
+                let moments_s: Vec<f64> = onsets.flat_map(Onset::moments_s).collect();
                 let times_s = self.rows.iter().map(|&t| self.problem.data.time_s[t]);
                 Folds::about(&moments_s, times_s)
             }

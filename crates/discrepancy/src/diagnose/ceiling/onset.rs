@@ -33,6 +33,14 @@ impl Step {
         }
     }
 
+    /// Which part of a sample is after the first of these moments and before the second, if there
+    /// is one.
+    pub fn between(&self, sample: usize, moments: &[usize]) -> f64 {
+        let mut passed = moments.iter().map(|moment| self.passed(sample, *moment));
+        let after = passed.next().unwrap_or(0.0);
+        after - passed.next().unwrap_or(0.0)
+    }
+
     /// Moments between the samples beside one.
     pub fn moments_about(&self, sample: usize) -> impl Iterator<Item = usize> {
         let middle = sample * self.every;
@@ -75,6 +83,39 @@ pub(super) fn best_moment(
     best.map(|(_, edge)| edge)
 }
 
+/// Rounds in which one edge of a stretch is looked for beside the other.
+const ROUNDS: usize = 3;
+
+/// The two edges, neither of them the first or the last, between which columns of other sizes than
+/// outside explain most: from the edge at which a single change does, one edge after the other.
+/// None where there are not enough edges.
+pub(super) fn best_window(
+    columns: &[Vec<f64>],
+    target: &[f64],
+    edges: &[usize],
+) -> Option<[usize; 2]> {
+    let last = edges.len().checked_sub(2).filter(|last| *last >= 2)?;
+    let mut held = best_moment(columns, target, edges, 1..last + 1)?;
+    let until: Vec<Moments> = (edges.iter())
+        .map(|edge| {
+            let own: Vec<Vec<f64>> = columns.iter().map(|x| x[..*edge].to_vec()).collect();
+            Moments::new(&target[..*edge], &own)
+        })
+        .collect();
+    let whole = until.last()?;
+    let gain = |a: usize, b: usize| {
+        let inside = until[a.max(b)].minus(&until[a.min(b)]);
+        inside.explained() + whole.minus(&inside).explained()
+    };
+    let mut moved = held;
+    for _ in 0..ROUNDS {
+        let others = (1..=last).filter(|edge| *edge != held);
+        let best = others.max_by(|a, b| gain(held, *a).total_cmp(&gain(held, *b)))?;
+        (held, moved) = (best, held);
+    }
+    Some([held.min(moved), held.max(moved)])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,6 +144,32 @@ mod tests {
                 "seed {seed}: {} for {moment}",
                 edges[found]
             );
+        }
+    }
+
+    /// A friction that drags between two moments drawn from a seed, for a fiftieth of the record to
+    /// half of it, beside noise with a memory: both moments are found to a hundredth of the record.
+    #[test]
+    fn verify_both_moments_of_a_stretch_are_found() {
+        for seed in 0..40 {
+            let count = 1200;
+            let from = 60 + 13 * seed as usize;
+            let until = from + 24 + 14 * (seed as usize * 7 % 40);
+            let sign = |t: usize| (0.05 * t as f64 + 0.3 * seed as f64).sin().signum();
+            let drawn = noise(Colour::Ar1(0.8), count, seed);
+            let target: Vec<f64> = (0..count)
+                .map(|t| {
+                    let drags = (from..until).contains(&t);
+                    drawn[t] + if drags { 12.0 * sign(t) } else { 0.0 }
+                })
+                .collect();
+            let column: Vec<f64> = (0..count).map(sign).collect();
+            let edges: Vec<usize> = (0..=100).map(|part| 12 * part).collect();
+            let found = best_window(&[column], &target, &edges).unwrap();
+            for (edge, truth) in found.into_iter().zip([from, until]) {
+                let off = edges[edge].abs_diff(truth.min(count - 12));
+                assert!(off <= 12, "seed {seed}: {} for {truth}", edges[edge]);
+            }
         }
     }
 

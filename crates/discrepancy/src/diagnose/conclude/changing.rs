@@ -140,7 +140,14 @@ fn course(event: &[&Change]) -> String {
         (Some(from_s), _) => {
             let when = significant(from_s, 3);
             let are = if is_one { "is another" } else { "are others" };
-            format!("{channels} {are} from about {when} s on, most as if {what} had changed then")
+            match event[0].until_s.map(|until_s| significant(until_s, 3)) {
+                None => format!(
+                    "{channels} {are} from about {when} s on, most as if {what} had changed then"
+                ),
+                Some(until) => format!(
+                    "{channels} {are} from about {when} s until about {until} s, most as if {what} was another there"
+                ),
+            }
         }
         (None, TIME) => format!(
             "{channels} drift{} all along",
@@ -161,6 +168,7 @@ mod tests {
         Change {
             channel: channel.into(),
             from_s,
+            until_s: None,
             what: what.into(),
         }
     }
