@@ -12,6 +12,7 @@ use truecut_recording::significant;
 use truecut_scenario::effect::EffectKind;
 use truecut_scenario::key_unit;
 
+use self::errors::unbounded;
 pub use self::errors::{held_out, rows_of_errors};
 pub use self::headline::headline;
 use super::Confirmed;
@@ -240,24 +241,6 @@ pub fn unexplained(diagnosis: &Diagnosis) -> String {
 
 /// More than so many times the noise is no scatter of what is left.
 const SURELY: f64 = 1.2;
-/// Noise that may be so many times smaller than what is left is as good as unknown.
-const HARDLY_KNOWN: f64 = 3.0;
-
-/// The channel whose noise is known least: what is left of it may be noise, or nearly all of it
-/// not.
-fn unbounded(diagnosis: &Diagnosis) -> String {
-    let bound = (diagnosis.channels.iter()).filter(|(_, errors)| {
-        errors.noise_source == NoiseSource::Bound && errors.noise_without_memory > 0.0
-    });
-    let ratios = bound.map(|(name, errors)| (errors.after / errors.noise_without_memory, name));
-    match ratios.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((ratio, name)) if ratio > HARDLY_KNOWN => format!(
-            "; of {name} the noise is not known: what is left may be all noise, or {} times it",
-            significant(ratio, 2)
-        ),
-        _ => String::new(),
-    }
-}
 
 /// What is left of the channels follows …
 pub fn correlated_signals(diagnosis: &Diagnosis) -> Vec<String> {

@@ -120,7 +120,7 @@ fn larger_deviation(both: [&MeasuredChannel; 2]) -> f64 {
 
 /// Step of readings most of which are that of the sample before, the larger of both.
 fn count(both: [&MeasuredChannel; 2]) -> f64 {
-    let [a, b] = both.map(|one| held_step(&one.values, &one.valid));
+    let [a, b] = both.map(|one| held_step(&one.values, &one.valid, 1.0));
     a.max(b)
 }
 

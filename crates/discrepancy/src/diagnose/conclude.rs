@@ -102,6 +102,7 @@ pub(super) fn conclude(
     let excess = excess(problem, &before, &last, &bound, &floors);
     let errors = test_part::errors(problem, &before, &base, &last, &bound, &floors);
     diagnosis.channels = errors;
+    (diagnosis.doubts).extend(test_part::overstated(&diagnosis.channels));
     judge(problem, excess, &outcome, &mut diagnosis);
     tell_end(problem, &last, &mut diagnosis);
     held_out::tell(problem, &refuted, &mut diagnosis);

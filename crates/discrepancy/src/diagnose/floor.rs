@@ -81,6 +81,9 @@ const SAMPLES_PER_LAG: usize = 40;
 const LONG: usize = 200;
 /// Part of an output's own noise from which on that of the inputs changes its colour.
 const OF_INPUTS: f64 = 0.3;
+/// Standard deviations of rounding in half of a step and a little more: noise of that size carries
+/// a reading over the next step as often as not, so that rounding is noise like it.
+const ROUNDED: f64 = 2.0;
 /// A model's own numerical error, as a part of what an output does by itself (benches/README.md).
 const NUMERICAL: f64 = 3e-3;
 
@@ -139,17 +142,24 @@ impl Floor {
             free += stretch.len() as f64 - 1.0;
         }
         let memory = memory(&sample.stretches);
-        // A sensor that does not move within one of its steps has the noise of rounding.
-        let own = (squares / free).sqrt().max(rounding);
+        // Noise of less than half a step is hidden by rounding, which comes again with the motion:
+        // of size, memory and colour the sample then says too little.
+        let seen = (squares / free).sqrt();
+        let is_rounded = seen < ROUNDED * rounding;
+        let own = if is_rounded {
+            seen.hypot(rounding)
+        } else {
+            seen
+        };
         let rms = own.hypot(output.noise_of_inputs);
         Some(Floor {
             source: sample.source,
             rms,
             window: Some(sample.length()),
             error: (2.0 * memory / free).sqrt(),
-            memory: Some(memory),
+            memory: (!is_rounded).then_some(memory),
             // What comes from the inputs has another colour.
-            whitening: (output.noise_of_inputs < OF_INPUTS * own)
+            whitening: (output.noise_of_inputs < OF_INPUTS * own && !is_rounded)
                 .then(|| whitening(sample, rms))
                 .flatten(),
             numerical,

@@ -107,7 +107,7 @@ impl<'a> Recording<'a> {
             stated_error: if is_carried { carried::ERROR } else { 0.0 },
             sample: (self.repeated(used)).or_else(|| self.resting(used)),
             without_memory: share * without_memory(&raw.values, &raw.valid),
-            held_step: held_step(&raw.values, &raw.valid),
+            held_step: held_step(&raw.values, &raw.valid, share),
         }
     }
 

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use truecut_discrepancy::diagnose::{ChannelErrors, NoiseSource};
+use truecut_discrepancy::diagnose::{ChannelErrors, Diagnosis, NoiseSource};
 use truecut_recording::{Unit, significant};
 
-use super::{titled, with_unit};
+use super::{SURELY, titled, with_unit};
 use crate::text::{Align, reading_unit};
 
 /// Errors under the names of what is before and after.
@@ -54,4 +54,37 @@ fn noise(errors: &ChannelErrors, number: &dyn Fn(f64) -> String) -> String {
         NoiseSource::Bound => format!("<= {}", number(most)),
         _ => number(most),
     }
+}
+
+/// Noise that may be so many times smaller than what is left is as good as unknown.
+const HARDLY_KNOWN: f64 = 3.0;
+
+/// The channel whose noise is known least: by how much what is left of it exceeds the noise at
+/// least and at most.
+pub fn unbounded(diagnosis: &Diagnosis) -> String {
+    let bound = (diagnosis.channels.iter()).filter(|(_, errors)| {
+        errors.noise_source == NoiseSource::Bound && errors.noise_without_memory > 0.0
+    });
+    let ratios = bound.map(|one| (one.1.after / one.1.noise_without_memory, one));
+    let Some((most, (name, errors))) = ratios.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return String::new();
+    };
+    if most <= HARDLY_KNOWN {
+        return String::new();
+    }
+    let least = errors.after / errors.noise_floor.max(f64::MIN_POSITIVE);
+    let most = significant(most, 2);
+    if least <= SURELY {
+        return format!(
+            "; of {name} the noise is not known: what is left may be all noise, or {most} times it"
+        );
+    }
+    let unit = errors.unit.parse().unwrap_or(Unit::One);
+    let unit = reading_unit(unit, errors.noise_floor);
+    format!(
+        "; of {name} the noise is at most {} {}: what is left is {} to {most} times it",
+        significant(unit.from_si(errors.noise_floor), 3),
+        unit.symbol,
+        significant(least, 2)
+    )
 }

@@ -95,6 +95,32 @@ fn errors(refitted: f64, after: f64) -> ChannelErrors {
     }
 }
 
+/// Where noise is bounded well below what is left, that is not "may be all noise".
+#[test]
+fn what_is_left_far_beyond_a_bound_is_no_noise() {
+    let told = |noise_floor: f64| {
+        let errors = ChannelErrors {
+            noise_floor,
+            noise_without_memory: 1.0,
+            ..errors(22.3, 20.0)
+        };
+        unbounded(&Diagnosis {
+            channels: [("joint3.drive_torque".to_owned(), errors)].into(),
+            ..Diagnosis::default()
+        })
+    };
+    assert!(
+        told(20.0).contains("may be all noise, or 20"),
+        "{}",
+        told(20.0)
+    );
+    let bounded = told(1.5);
+    assert!(
+        bounded.contains("is at most 1.50 N m: what is left is 13 to 20"),
+        "{bounded}"
+    );
+}
+
 /// Most of what stands out of the noise is left, and most of what one sees has gone: that is no
 /// small part.
 #[test]

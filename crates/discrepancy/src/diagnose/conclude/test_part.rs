@@ -177,6 +177,23 @@ pub(super) fn channel_errors(
         .collect()
 }
 
+/// What is left of a channel is at least this part of its noise, if that is as stated.
+const OVERSTATED: f64 = 0.2;
+
+/// The doubts about noise that is stated far larger than what is left of its channel.
+pub(super) fn overstated(
+    channels: &BTreeMap<String, ChannelErrors>,
+) -> impl Iterator<Item = String> + '_ {
+    let stated = (channels.iter()).filter(|(_, one)| one.noise_source == NoiseSource::Stated);
+    let far = stated.filter(|(_, one)| 0.0 < one.after && one.after < OVERSTATED * one.noise_floor);
+    far.map(|(name, one)| {
+        format!(
+            "the noise stated of `{name}` is {} times what is left of it: look at its unit",
+            truecut_recording::significant(one.noise_floor / one.after, 3)
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

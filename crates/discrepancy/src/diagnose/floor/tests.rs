@@ -46,6 +46,42 @@ fn drawn(colour: Colour, seed: u64, stretches: usize, length: usize) -> (Floor, 
     )
 }
 
+/// Readings in steps that noise seldom crosses repeat with the motion, and what rounding makes of a
+/// slow course is neither noise like the sample nor of its size.
+#[test]
+fn verify_rounding_that_comes_again_is_within_the_floor() {
+    for seed in 0..60 {
+        // From a hundredth of a step to three of them.
+        let size = 10_f64.powf(-2.0 + 2.5 * seed as f64 / 60.0);
+        let drawn = noise(Colour::White, 1800, seed);
+        let course = |t: usize| 7.0 * (0.011 * t as f64 + seed as f64).sin();
+        let read = |t: usize| (course(t % 600) + size * drawn[t]).round();
+        let periods = [0, 600].map(|from| -> Vec<f64> {
+            let rows = from..from + 600;
+            rows.map(|t| (read(t + 600) - read(t)) / 2_f64.sqrt())
+                .collect()
+        });
+        let output = Output {
+            values: (0..600).map(read).collect(),
+            valid: vec![true; 600],
+            noise: None,
+            sample: NoiseSample::of(NoiseSource::Repetition, periods.to_vec(), 40),
+            noise_without_memory: 0.0,
+            held_step: 1.0,
+            noise_of_inputs: 0.0,
+            noise_error: 0.0,
+        };
+        let floor = Floor::of(&output, 0.0).unwrap();
+        let residual: Vec<f64> = (0..600).map(|t| read(t) - course(t)).collect();
+        let rows: Vec<usize> = (10..600).collect();
+        let beyond = floor.beyond(&residual, &rows);
+        assert!(beyond.is_none(), "{size}: {beyond:?}");
+        let truth = deviation(&residual);
+        let ratio = floor.rms / truth;
+        assert!((0.7..1.6).contains(&ratio), "{size}: {ratio}");
+    }
+}
+
 #[test]
 fn verify_noise_is_within_its_own_floor() {
     let rows: Vec<usize> = (10..600).collect();

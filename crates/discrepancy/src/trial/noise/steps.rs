@@ -1,16 +1,64 @@
 //! Readings that come in steps.
 
-/// Step between readings most of which are those of the sample before: what rounding leaves of them
-/// is no noise that another period would show. Zero where they are not.
-pub(crate) fn held_step(values: &[f64], valid: &[bool]) -> f64 {
-    let steps: Vec<f64> = (values.windows(2).zip(valid.windows(2)))
-        .filter(|(_, valid)| valid[0] && valid[1])
-        .map(|(pair, _)| (pair[1] - pair[0]).abs())
+use super::without_memory;
+use crate::stats::ratio;
+
+/// Least samples for each reading that is told from others, where readings come in steps.
+const LEAST_ALIKE: usize = 4;
+/// Part of the readings that lie on the grid at least.
+const NEARLY_ALL: f64 = 0.9;
+/// Part of a step by which a reading may lie off the grid of steps: rounding of the numbers.
+const OFF_GRID: f64 = 1e-3;
+/// Noise of at least this part of a step carries readings over the next one by chance: what
+/// rounding leaves is noise then, as any sample shows it.
+const DITHERED: f64 = 0.5;
+
+/// The step of readings by whose rounding they err alike when a motion comes again, which no other
+/// period shows; 0 where they have none. `share` is the part of the deviation of white noise that
+/// the filter of the output leaves: rounding of what holds still goes through it, rounding of what
+/// moves on with every sample does not.
+pub(crate) fn held_step(values: &[f64], valid: &[bool], share: f64) -> f64 {
+    let step = grid(values, valid);
+    if step == 0.0 || without_memory(values, valid) >= DITHERED * step {
+        return 0.0;
+    }
+    let pairs = values.windows(2).zip(valid.windows(2));
+    let pairs = pairs.filter(|(_, valid)| valid[0] && valid[1]);
+    let (mut count, mut moved) = (0.0, 0.0);
+    for (pair, _) in pairs {
+        count += 1.0;
+        moved += f64::from(u8::from((pair[1] - pair[0]).abs() > 0.5 * step));
+    }
+    let slow = (2.0 * (1.0 - ratio(moved, count))).min(1.0);
+    step * (slow + (1.0 - slow) * share * share).sqrt()
+}
+
+/// The step of a grid on which nearly all readings lie, each of them several times; 0 if there is
+/// none. What bridges a gap lies off it.
+fn grid(values: &[f64], valid: &[bool]) -> f64 {
+    let kept = values.iter().zip(valid).filter(|(_, valid)| **valid);
+    let mut sorted: Vec<f64> = kept.map(|(x, _)| *x).collect();
+    sorted.sort_by(f64::total_cmp);
+    let (Some(first), Some(last)) = (sorted.first(), sorted.last()) else {
+        return 0.0;
+    };
+    let dust = 1e-9 * (last - first);
+    let alike: Vec<&[f64]> = (sorted.chunk_by(|a, b| b - a <= dust))
+        .filter(|alike| alike.len() >= LEAST_ALIKE)
         .collect();
-    let dust = 1e-9 * steps.iter().copied().fold(0.0, f64::max);
-    let moved = || steps.iter().copied().filter(|step| *step > dust);
-    match 2 * moved().count() < steps.len() {
-        true => moved().reduce(f64::min).unwrap_or(0.0),
+    let on_grid: usize = alike.iter().map(|alike| alike.len()).sum();
+    let steps = alike.windows(2).map(|pair| pair[1][0] - pair[0][0]);
+    let steps: Vec<f64> = steps.collect();
+    let Some(step) = steps.iter().copied().reduce(f64::min) else {
+        return 0.0;
+    };
+    let is_on = |other: &f64| {
+        let whole = other / step;
+        (whole - whole.round()).abs() <= OFF_GRID * whole.clamp(1.0, 50.0)
+    };
+    let nearly_all = on_grid as f64 >= NEARLY_ALL * sorted.len() as f64;
+    match nearly_all && steps.iter().all(is_on) {
+        true => step,
         false => 0.0,
     }
 }
@@ -34,9 +82,24 @@ mod tests {
                     .collect()
             };
             let valid = vec![true; 3000];
-            let found = held_step(&rounded(0.05), &valid);
+            let found = held_step(&rounded(0.05), &valid, 0.3);
             assert!((found / step - 1.0).abs() < 1e-9, "{found} for {step}");
-            assert_eq!(held_step(&rounded(1.0), &valid), 0.0);
+            assert_eq!(held_step(&rounded(1.0), &valid, 0.3), 0.0);
+        }
+    }
+
+    /// Where readings move on with every sample, rounding is white, and a filter takes it as such.
+    #[test]
+    fn verify_steps_of_what_moves_on_are_filtered() {
+        let valid = vec![true; 3000];
+        for seed in 0..20 {
+            let step = 0.5 + 0.1 * seed as f64;
+            let moved = |k: usize| 200.0 * step * (0.02 * k as f64 + seed as f64).sin();
+            let readings: Vec<f64> = (0..3000)
+                .map(|k| (moved(k) / step).round() * step)
+                .collect();
+            let found = held_step(&readings, &valid, 0.2) / step;
+            assert!((0.15..0.5).contains(&found), "{found}");
         }
     }
 }
