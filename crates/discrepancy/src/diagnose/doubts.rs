@@ -152,7 +152,7 @@ fn shown_by(
 }
 
 /// Correlation of pairs; 0 where one of both stands still.
-fn correlation(pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
+pub(super) fn correlation(pairs: impl Iterator<Item = [f64; 2]>) -> f64 {
     let (a, b): (Vec<f64>, Vec<f64>) = pairs.map(|[a, b]| (a, b)).unzip();
     let (a, b) = (centred(&a), centred(&b));
     ratio(dot(&a, &b), (dot(&a, &a) * dot(&b, &b)).sqrt())

@@ -1,5 +1,7 @@
 //! Whether another set-up explains more than any causes do: an arm that hangs, a clock that is not
-//! the data's.
+//! the data's, columns that are swapped.
+
+mod swapped;
 
 use truecut_recording::significant;
 
@@ -12,6 +14,10 @@ use crate::stats::deviation;
 const FAR_LESS: f64 = 0.5;
 /// What leaves less than this part of the drive forces has no need of another set-up.
 const ENOUGH: f64 = 0.01;
+
+/// What leaves more than this part of the outputs fits none of them, however much more is left as
+/// it is: of many set-ups one always leaves less than a model that is wrong altogether.
+const FITTING: f64 = 0.5;
 
 /// What leaves so many times as much as the best is not told beside it.
 const HOPELESS: f64 = 10.0;
@@ -27,10 +33,12 @@ fn best(model: &dyn Model, data: &Observation, after: &Columns) -> Option<(f64, 
     if now < ENOUGH || now.is_nan() {
         return None;
     }
-    let sized = (model.set_ups().into_iter()).map(|one| (left(data, &one.predicted), one.told));
+    let set_ups = model.set_ups().into_iter();
+    let set_ups = set_ups.chain(swapped::set_ups(model, data));
+    let sized = set_ups.map(|one| (left(data, &one.predicted), one.told));
     let (best, told) = sized.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let percent = |part: f64| significant(100.0 * part, 2);
-    (best < FAR_LESS * now).then(|| {
+    (best < (FAR_LESS * now).min(FITTING)).then(|| {
         let told = format!(
             "Look at the set-up first: if {told}, {} % of the outputs is left with nothing but friction fitted, and {} % \
              as it is.",

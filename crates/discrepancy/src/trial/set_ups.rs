@@ -1,5 +1,7 @@
 //! Set-ups that people mistake for one another, and what drive forces would be in them.
 
+use std::f64::consts::PI;
+
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use truecut_sim::InverseModel;
@@ -20,6 +22,13 @@ const GRAVITIES: [(&str, [f64; 3]); 6] = [
 /// By how much a clock is mistaken: half or double rates, rates of usual loggers, minutes for
 /// seconds, seconds for milliseconds.
 const CLOCKS: [f64; 6] = [2.0, 4.0, 5.0, 10.0, 60.0, 1000.0];
+/// Units that coordinates are mistaken in: whether of turns, by how much the larger is the larger.
+const UNITS: [(bool, f64, [&str; 2]); 2] = [
+    (true, 180.0 / PI, ["rad", "deg"]),
+    (false, 1e3, ["m", "mm"]),
+];
+/// Most pairs of joints that are tried as swapped: those of eight joints.
+const MOST_PAIRS: usize = 28;
 
 /// Drive forces in other set-ups, every so many-th sample of the data.
 pub(super) fn of_drive_forces(
@@ -69,7 +78,8 @@ pub(super) fn of_drive_forces(
             ),
         ]
     });
-    let all: Vec<(String, Other)> = others.chain(reversed).collect();
+    let all = others.chain(reversed).chain(swapped(model));
+    let all: Vec<(String, Other)> = all.chain(in_units(model)).collect();
     let made = all.into_par_iter().filter_map(|(told, other)| {
         let (other, opposite) = other();
         let predicted = other.predict(&[]).ok()?;
@@ -86,6 +96,46 @@ pub(super) fn of_drive_forces(
         })
     });
     made.collect()
+}
+
+/// Joints of which one is taken for another: two of a kind.
+fn swapped(model: &InverseModel) -> impl Iterator<Item = (String, Other<'_>)> {
+    let rotary = model.rotary();
+    let pairs = (0..rotary.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+    let alike = pairs.filter(move |&(a, b)| rotary[a] == rotary[b]);
+    alike.take(MOST_PAIRS).map(move |(a, b)| {
+        let told = format!(
+            "the coordinates of joint {} and joint {} are swapped (column in their [[data.channel]])",
+            a + 1,
+            b + 1
+        );
+        let made = move || (model.swapped(a, b), None);
+        (told, Box::new(made) as Other)
+    })
+}
+
+/// The coordinates of all joints of a kind in another unit than the scenario says.
+fn in_units(model: &InverseModel) -> impl Iterator<Item = (String, Other<'_>)> {
+    let units = UNITS
+        .into_iter()
+        .flat_map(|(turns, factor, [large, small])| {
+            [
+                (turns, factor, large, small),
+                (turns, 1.0 / factor, small, large),
+            ]
+        });
+    let rotary = model.rotary();
+    units.filter_map(move |(turns, factor, meant, said)| {
+        let joints = (0..rotary.len()).filter(|joint| rotary[*joint] == turns);
+        let joints: Vec<usize> = joints.collect();
+        let what = if turns { "angles" } else { "positions" };
+        let told = format!(
+            "the {what} of the joints are in {meant} and taken for {said} (unit in their [[data.channel]])"
+        );
+        let has_some = !joints.is_empty();
+        let made = move || (model.scaled(&joints, factor), None);
+        has_some.then(|| (told, Box::new(made) as Other))
+    })
 }
 
 /// What makes the arm in another set-up, and the channel whose drive force has the other sign

@@ -234,6 +234,19 @@ fn another_set_up_is_told_and_a_cause_is_none() {
         let found = told(&made).unwrap_or_else(|| panic!("{words}: nothing"));
         assert!(found.contains(words), "{words}: {found}");
     }
+    // Angles in rad that are said to be degrees, and two joints that are taken for each other.
+    let mut made = swung(floor, 1.0, &[]);
+    for channel in &mut made.1.channels[..2] {
+        channel.values.iter_mut().for_each(|x| *x = x.to_radians());
+    }
+    let found = told(&made).expect("units");
+    assert!(found.contains("are in rad and taken for deg"), "{found}");
+    let mut made = swung(floor, 1.0, &[]);
+    let (one, other) = made.1.channels.split_at_mut(1);
+    std::mem::swap(&mut one[0].values, &mut other[0].values);
+    let found = told(&made).expect("a swap");
+    let words = "the coordinates of joint 1 and joint 2 are swapped";
+    assert!(found.contains(words), "{found}");
     assert_eq!(told(&swung(floor, 1.0, &[])), None);
     let payload = Effect {
         kind: EffectKind::Payload,

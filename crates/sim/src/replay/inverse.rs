@@ -373,7 +373,8 @@ fn outputs(robot: &Robot, source: &Source<'_>) -> Result<Vec<usize>, SimError> {
         .find(|channel| !names.contains(&channel.spec.name));
     if let Some(channel) = foreign {
         let message = format!(
-            "channel \"{}\" is not predicted by inverse dynamics, which gives {}",
+            "channel \"{}\" is not predicted by inverse dynamics, which gives {}; what it computes them from \
+             has role = \"input\"",
             channel.spec.name,
             names.join(", ")
         );

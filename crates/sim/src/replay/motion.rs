@@ -104,6 +104,34 @@ impl Motion {
         motion
     }
 
+    /// The same course with the coordinates of two joints exchanged.
+    pub fn swapped(&self, one: usize, other: usize) -> Motion {
+        let mut motion = self.clone();
+        for columns in [
+            &mut motion.position,
+            &mut motion.velocity,
+            &mut motion.acceleration,
+        ] {
+            columns.swap(one, other);
+        }
+        motion
+    }
+
+    /// The same course with the coordinates of some joints a factor times as large.
+    pub fn scaled(&self, joints: &[usize], factor: f64) -> Motion {
+        let mut motion = self.clone();
+        for columns in [
+            &mut motion.position,
+            &mut motion.velocity,
+            &mut motion.acceleration,
+        ] {
+            for &joint in joints {
+                columns[joint].iter_mut().for_each(|x| *x *= factor);
+            }
+        }
+        motion
+    }
+
     /// Unrelated states of all joints: coordinates, speeds and accelerations even between -pi and
     /// pi, SI. The same in every call.
     pub fn of_any_states(&self, states: usize) -> Motion {

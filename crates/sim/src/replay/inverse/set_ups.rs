@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::Vector3;
+use truecut_arm::JointKind;
 
 use super::{InverseModel, nominal};
 use crate::effect::{Effects, JointEffects, build_in};
@@ -23,6 +24,28 @@ impl InverseModel {
     /// If there is no such joint.
     pub fn reversed(&self, joint: usize) -> InverseModel {
         self.moving(self.motion.reversed(joint))
+    }
+
+    /// Whether each joint turns.
+    pub fn rotary(&self) -> Vec<bool> {
+        let joints = self.robot.chain.joints.iter();
+        (joints.map(|joint| joint.kind == JointKind::Revolute)).collect()
+    }
+
+    /// The same arm where two joints have each other's coordinates.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn swapped(&self, one: usize, other: usize) -> InverseModel {
+        self.moving(self.motion.swapped(one, other))
+    }
+
+    /// The same arm where the coordinates of some joints are a factor times as large.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn scaled(&self, joints: &[usize], factor: f64) -> InverseModel {
+        self.moving(self.motion.scaled(joints, factor))
     }
 
     fn moving(&self, motion: Motion) -> InverseModel {
