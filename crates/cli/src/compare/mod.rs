@@ -16,9 +16,10 @@ use truecut_sim::run::{Claims, Run};
 use truecut_sim::{Robots, estimates};
 
 use crate::args::CompareArguments;
+use crate::diagnose::waiting::told;
 use crate::failure::Failure;
 use crate::page::{self, MOST_POINTS, Page, REPORT};
-use crate::progress::Progress;
+use crate::progress::{PatientBar, Progress};
 
 use crate::exit_status::ExitStatus;
 
@@ -33,7 +34,10 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
         let text = "a sweep cannot be compared with data: only single runs can";
         return Err(scenario.problem("sweep", text).into());
     }
-    let measured = data::measured(scenario, arguments.data.as_deref())?;
+    let bar = PatientBar::new(1, "{msg:12} {elapsed}");
+    let read = || data::measured(scenario, arguments.data.as_deref());
+    let measured = told(&bar, "reading", read)?;
+    drop(bar);
     let finished = Progress::of_one("running", |progress| {
         let run = Run {
             measured: Some(&measured),
@@ -52,17 +56,25 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
     let turning = scenario.process.facts().rate_rad_s;
     let turning = turning.map(|rad_s| rad_s / std::f64::consts::TAU);
     let spindle_hz = arguments.rpm.map(|rpm| rpm / 60.0).or(turning);
-    let spiky = spikes::notes(scenario, &whole);
-    let measured = for_comparison(scenario, whole);
-    let mut comparison = compare_recordings(&simulated, &measured, spindle_hz)
-        .map_err(|error| refused(scenario, &measured, &error))?;
+    let bar = PatientBar::new(1, "{msg:12} {elapsed}");
+    let (spiky, measured, compared) = told(&bar, "comparing", || {
+        let spiky = spikes::notes(scenario, &whole);
+        let measured = for_comparison(scenario, whole);
+        let compared = compare_recordings(&simulated, &measured, spindle_hz);
+        (spiky, measured, compared)
+    });
+    let mut comparison = compared.map_err(|error| refused(scenario, &measured, &error))?;
     let assumed = estimates(scenario, &Robots::new());
     (comparison.notes).extend(assumed.map_err(|error| Failure::sim(scenario, error))?);
     comparison.notes.extend(spiky);
     let folder = arguments.out.join(scenario.stem()).join(FOLDER);
-    let written = write(&folder, &comparison, &simulated, &measured)?;
-    let page = page(scenario, &comparison, &simulated, &measured);
-    write_file(&folder.join(REPORT), page.html().as_bytes())?;
+    let written = told(&bar, "writing", || -> Result<_, Failure> {
+        let written = write(&folder, &comparison, &simulated, &measured)?;
+        let page = page(scenario, &comparison, &simulated, &measured);
+        write_file(&folder.join(REPORT), page.html().as_bytes())?;
+        Ok(written)
+    })?;
+    drop(bar);
     crate::print(&text::printed(&scenario.name, &comparison, &written))?;
     Ok(ExitStatus::Good)
 }

@@ -6,25 +6,30 @@ mod files;
 mod report;
 mod text;
 mod viewer;
+pub mod waiting;
 
+use std::borrow::Cow;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use truecut::{KeptModel, data};
+use truecut::{KeptModel, Staged, data};
 use truecut_discrepancy::confirmed::Confirmed;
 use truecut_discrepancy::diagnose::{self, DiagnoseError, Progress, Stage};
 use truecut_discrepancy::model::Model;
 use truecut_discrepancy::trial::{Thinning, Trial};
 use truecut_files::watched;
-use truecut_recording::short_number;
+use truecut_recording::{Measured, short_number};
 use truecut_scenario::Scenario;
 
+use self::waiting::told;
 use crate::args::DiagnoseArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::PatientBar;
 use crate::signals::Signals;
+
+const BAR: &str = "{msg:32} {wide_bar} {pos} runs  {elapsed}";
 
 /// The files that were written and are worth naming.
 pub struct Written {
@@ -45,13 +50,8 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
     let signals = Signals::catch()?;
     let scenario = &arguments.common.load(&arguments.scenario)?;
     let options = arguments.options();
-    let (prepared, read) = watched(|| -> Result<_, Failure> {
-        let data = data::measured(scenario, arguments.data.as_deref())?;
-        let folder = arguments.out.join(scenario.stem());
-        let files = files::prepare(scenario, &folder, &data.source)?;
-        let trial = Trial::new(scenario, &data).map_err(|error| Failure::sim(scenario, error))?;
-        Ok((data, files, trial))
-    });
+    let bar = PatientBar::new(options.max_predictions as u64, BAR);
+    let (prepared, read) = watched(|| prepared(arguments, scenario, &bar));
     let (data, files, trial) = prepared?;
     let runs = files::runs(&files);
     let model = KeptModel::new(
@@ -61,17 +61,17 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         Some(signals.stop()),
     )
     .map_err(|error| Failure::at(&runs, error))?;
-    let most = options.max_predictions as u64;
-    let bar = PatientBar::new(most, "{msg:32} {wide_bar} {pos} runs  {elapsed}");
     let show = |now: Progress| {
         bar.tell(|bar| {
             bar.set_message(words(now.stage));
             bar.set_position(now.predictions as u64);
         });
     };
-    let answer = diagnose::diagnose(&model, &trial.observation, &options, &show);
-    drop(bar);
+    let answer = told(&bar, words(Stage::Nominal), || {
+        diagnose::diagnose(&model, &trial.observation, &options, &show)
+    });
     if let Some(code) = signals.exit_code() {
+        drop(bar);
         crate::print(&format!(
             "{}\n  stopped by a signal, without an answer: {} simulations are kept in {}, and the same call goes on \
              from there\n\n",
@@ -86,16 +86,36 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         let _ = std::fs::remove_file(&runs);
         refused(&trial, scenario, &data.source, &error)
     })?;
+    let confirmed = told(&bar, "confirming the answer", || {
+        Confirmed::of(&trial, answer)
+    });
+    let written = told(&bar, "writing", || {
+        files::write(scenario, &files, &trial, &confirmed)
+    })?;
+    drop(bar);
     if model.kept() > 0 {
         crate::print(&format!(
             "{} simulations were kept from a diagnosis that was stopped\n",
             model.kept()
         ))?;
     }
-    let confirmed = Confirmed::of(&trial, answer);
-    let written = files::write(scenario, &files, &trial, &confirmed)?;
     crate::print(&text::printed(&trial, &confirmed, &written))?;
     Ok(ExitStatus::Good.into())
+}
+
+/// The data, the files to come, and both as what a search asks: each told while it takes its time.
+fn prepared(
+    arguments: &DiagnoseArguments,
+    scenario: &Scenario,
+    bar: &PatientBar,
+) -> Result<(Measured, Staged, Trial), Failure> {
+    let read = || data::measured(scenario, arguments.data.as_deref());
+    let data = told(bar, "reading", read)?;
+    let folder = arguments.out.join(scenario.stem());
+    let files = files::prepare(scenario, &folder, &data.source)?;
+    let trial = told(bar, "preparing", || Trial::new(scenario, &data));
+    let trial = trial.map_err(|error| Failure::sim(scenario, error))?;
+    Ok((data, files, trial))
 }
 
 /// What must be the same for predictions to be the same: the scenario as it runs, what it reads,
@@ -172,14 +192,16 @@ fn kept(trial: &Trial, thinning: &Thinning, error: &DiagnoseError) -> String {
     )
 }
 
-fn words(stage: Stage) -> String {
+fn words(stage: Stage) -> Cow<'static, str> {
     match stage {
-        Stage::Refit => "refitting nominal values".to_owned(),
-        Stage::Screening(0) => "looking for a first cause".to_owned(),
-        Stage::Screening(found) => format!("{found} found, looking for more"),
-        Stage::Fitting(_) => "fitting causes".to_owned(),
-        Stage::Alternatives => "looking for other explanations".to_owned(),
-        Stage::Ceiling => "bounding what is left".to_owned(),
-        Stage::Experiments => "looking for a better experiment".to_owned(),
+        Stage::Nominal => "simulating it as it is".into(),
+        Stage::Refit => "refitting nominal values".into(),
+        Stage::Screening(0) => "looking for a first cause".into(),
+        Stage::Screening(found) => format!("{found} found, looking for more").into(),
+        Stage::Fitting(_) => "fitting causes".into(),
+        Stage::Alternatives => "looking for other explanations".into(),
+        Stage::Ceiling => "bounding what is left".into(),
+        Stage::Experiments => "looking for a better experiment".into(),
+        Stage::SetUps => "trying other set-ups".into(),
     }
 }

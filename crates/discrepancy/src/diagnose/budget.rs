@@ -1,6 +1,7 @@
 //! Simulations that a search may make, and those that it has made.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use super::problem::Problem;
 use super::{Options, Progress, Stage};
@@ -37,6 +38,8 @@ pub(super) struct Budget<'a> {
     before: usize,
     most: usize,
     made: AtomicUsize,
+    /// What is at work. Held while it is told, so that counts are told in their order.
+    stage: Mutex<Stage>,
 }
 
 impl<'a> Budget<'a> {
@@ -47,6 +50,7 @@ impl<'a> Budget<'a> {
             before: 0,
             most: options.max_predictions,
             made: AtomicUsize::new(0),
+            stage: Mutex::new(Stage::Nominal),
         }
     }
 
@@ -60,9 +64,18 @@ impl<'a> Budget<'a> {
 }
 
 impl Problem<'_> {
+    /// Tells that a stage begins.
     pub fn report(&self, stage: Stage) {
+        self.tell(|_| stage);
+    }
+
+    /// Tells the stage that follows from the present one, and how far the work is.
+    fn tell(&self, next: impl FnOnce(Stage) -> Stage) {
+        let stage = self.budget.stage.lock();
+        let mut stage = stage.unwrap_or_else(PoisonError::into_inner);
+        *stage = next(*stage);
         (self.budget.progress)(Progress {
-            stage,
+            stage: *stage,
             predictions: self.budget.before + self.predictions(),
             max_predictions: self.budget.whole,
         });
@@ -78,9 +91,11 @@ impl Problem<'_> {
         self.budget.most
     }
 
-    /// Counts a prediction that was not made through [`Problem::predict`].
+    /// Counts a prediction, and tells it: of a slow arm hundreds of them, made for one stage, take
+    /// minutes.
     pub fn count_prediction(&self) {
         self.budget.made.fetch_add(1, Ordering::Relaxed);
+        self.tell(|stage| stage);
     }
 
     /// Predictions that the search may still make; a part of those allowed is kept for the

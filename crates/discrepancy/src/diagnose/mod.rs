@@ -106,6 +106,8 @@ impl Default for Options {
 /// Stage of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
+    /// The scenario as it is.
+    Nominal,
     /// Nominal parameters within their uncertainty.
     Refit,
     /// Signatures of candidates; the number of effects already found.
@@ -118,6 +120,8 @@ pub enum Stage {
     Ceiling,
     /// Experiments that would distinguish the causes.
     Experiments,
+    /// Other set-ups than the scenario's.
+    SetUps,
 }
 
 /// Progress of the work.
@@ -250,9 +254,11 @@ pub(crate) fn explain(
     data.check(model.channels().len())?;
     let problem = problem::Problem::new(model, data, options, progress).within(part);
     problem.split.check()?;
+    problem.report(Stage::Nominal);
     let before = problem.predict_whole(&problem.start())?;
     if part.has_units {
         check_units(model, data, &before)
+            .inspect_err(|_| problem.report(Stage::SetUps))
             .map_err(|error| clock_or_unit(model, data, &before, error))?;
     }
     let mut answer = match gate::unexcited(&problem, &before) {
@@ -262,6 +268,7 @@ pub(crate) fn explain(
             conclude::conclude(&problem, before, outcome)?
         }
     };
+    problem.report(Stage::SetUps);
     if let Some(told) = set_up_doubt(model, data, &answer.after) {
         // Causes in a set-up that is not the machine's are none.
         answer.unname(problem.start().nominal);
