@@ -17,18 +17,85 @@ const SMALL: f64 = 0.1;
 const NOISE: f64 = 3.0;
 /// Joints by which angles are judged at least: one alone may hardly move.
 const LEAST_JOINTS: usize = 2;
-/// Units of force that are mistaken for newtons, and of length for the one given, N or 1.
-const UNITS: [(f64, &str); 4] = [
-    (9.806_65, "forces in kg (kgf) taken for N"),
-    (4.448_222, "forces in lbf taken for N"),
+/// Units of force that are mistaken for newtons, and of length for the one given: by how much an
+/// arm looks softer then, and what is mistaken where it looks stiffer by as much.
+const UNITS: [(f64, &str, &str); 5] = [
+    (
+        4.448_222,
+        "forces in lbf taken for N",
+        "forces in N taken for lbf",
+    ),
+    (
+        9.806_65,
+        "forces in kg (kgf) taken for N",
+        "forces in N taken for kg (kgf)",
+    ),
+    (
+        25.4,
+        "displacements in mm taken for inches",
+        "displacements in inches taken for mm",
+    ),
     (
         1e3,
         "forces in kN taken for N, or displacements in um for mm, or in mm for m",
+        "forces in N taken for kN, or displacements in mm for um, or in m for mm",
     ),
-    (1e6, "displacements in um taken for m"),
+    (
+        1e6,
+        "displacements in um taken for m",
+        "displacements in m taken for um",
+    ),
 ];
+/// The same where nothing but rotations is measured.
+const OF_ROTATIONS: (f64, &str, &str) = (
+    360.0 / TAU,
+    "rotations in deg taken for rad",
+    "rotations in rad taken for deg",
+);
 /// A factor is near a unit's within this ratio: stiffnesses of a robot's file are often estimates.
 const NEAR: f64 = 1.6;
+/// Ratios of all joints to the file's values are one factor if they differ by no more than this
+/// power of it: a file of guesses is off by one factor here and by another there.
+const COMMON: f64 = 1.0 / 3.0;
+/// If all stiffnesses are off by more than this factor, the cause is another (units, axes).
+const ABSURD: f64 = 30.0;
+
+/// The units that make an arm look so many times softer, if any are near.
+fn units_near(times: f64, only_rotations: bool) -> Option<&'static str> {
+    let far = |factor: f64| (times / factor).ln().abs();
+    let of_rotations = only_rotations.then_some(OF_ROTATIONS);
+    let tried = UNITS.into_iter().chain(of_rotations);
+    let tried =
+        tried.flat_map(|(factor, softer, stiffer)| [(factor, softer), (1.0 / factor, stiffer)]);
+    let (factor, meaning) = tried.min_by(|a, b| far(a.0).total_cmp(&far(b.0)))?;
+    (far(factor) < NEAR.ln()).then_some(meaning)
+}
+
+/// That all stiffnesses found are off those of the robot's file by one factor, as they are where a
+/// unit is wrong.
+pub(super) fn of_units(report: &StiffnessReport) -> Option<String> {
+    let mut ratios: Vec<f64> = (report.joints.iter())
+        .filter_map(|joint| Some(joint.value? / joint.nominal?))
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let (least, most) = (*ratios.first()?, *ratios.last()?);
+    let middle = ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64;
+    let is_common = ratios.len() >= LEAST_JOINTS && (most / least).ln() < COMMON * middle.abs();
+    let only_rotations = report.components.iter().all(|one| one.unit == "rad");
+    let meaning = units_near((-middle).exp(), only_rotations).filter(|_| is_common);
+    let is_absurd = least > ABSURD || most < 1.0 / ABSURD;
+    (is_absurd || meaning.is_some()).then(|| {
+        let range = match ratios.len() {
+            1 => String::new(),
+            _ => format!(" ({} to {})", significant(least, 2), significant(most, 2)),
+        };
+        let so = meaning.map_or_else(String::new, |meaning| format!(" It looks like {meaning}"));
+        format!(
+            "every identified stiffness is about {} times that of the robot's file{range}: is a unit wrong?{so}",
+            significant(middle.exp(), 2)
+        )
+    })
+}
 
 /// That the stiffnesses found do not explain what was measured, so that none of them agrees with
 /// anything.
@@ -88,11 +155,8 @@ pub(super) fn of_no_rest(error: IdentifyError, times_predicted: Option<f64>) -> 
     let Some(times) = times_predicted.filter(|times| *times > 0.0) else {
         return error;
     };
-    let near = UNITS.iter().find(|(factor, _)| {
-        let ratio = times / factor;
-        (1.0 / NEAR..NEAR).contains(&ratio)
-    });
-    let meaning = near.map_or(String::new(), |(_, meaning)| format!(" ({meaning}?)"));
+    let near = units_near(times, false);
+    let meaning = near.map_or(String::new(), |meaning| format!(" ({meaning}?)"));
     IdentifyError {
         message: format!(
             "{} The displacements are {} times those that the robot's file gives under these loads{meaning}",

@@ -2,10 +2,8 @@
 
 use truecut_recording::significant;
 
+use super::doubts::of_units;
 use super::{Status, StiffnessReport};
-
-/// If all stiffnesses are off by more than this factor, the cause is another (units, axes).
-const ABSURD: f64 = 30.0;
 
 pub(super) fn notes(
     report: &StiffnessReport,
@@ -42,18 +40,7 @@ pub(super) fn notes(
                 .to_owned(),
         );
     }
-    let mut ratios: Vec<f64> = (report.joints.iter())
-        .filter_map(|joint| Some(joint.value? / joint.nominal?))
-        .collect();
-    ratios.sort_by(f64::total_cmp);
-    let all = |far: fn(&f64) -> bool| !ratios.is_empty() && ratios.iter().all(far);
-    if all(|ratio| *ratio > ABSURD) || all(|ratio| *ratio < 1.0 / ABSURD) {
-        notes.push(format!(
-            "every identified stiffness is about {} times that of the robot's file: is a unit \
-             wrong?",
-            significant(ratios[ratios.len() / 2], 2)
-        ));
-    }
+    notes.extend(of_units(report));
     if unknown_zero {
         notes.push("a zero was estimated for each posture and component".to_owned());
     }

@@ -220,6 +220,8 @@ fn a_slip_of_the_unit_and_an_outlier_are_named() {
             .any(|note| note.contains("times the stated noise"))
     );
     let mut readings = table(&true_arm(&file), 0.0, || 0.0);
+    let told = run(&file, &readings).notes;
+    assert!(!told.iter().any(|note| note.contains("unit")), "{told:?}");
     for column in &mut readings.columns[4..] {
         column.values.iter_mut().for_each(|value| *value /= 1e3);
     }
@@ -241,5 +243,38 @@ fn a_slip_of_the_unit_and_an_outlier_are_named() {
             .joints
             .iter()
             .all(|joint| joint.status == Status::Contradictory)
+    );
+}
+
+/// Forces in kgf or lbf read as N make every joint softer by one factor, far below what is absurd;
+/// the values stay. Joints that are off by different factors are a robot's file of guesses.
+#[test]
+fn a_common_factor_of_units_in_use_is_told_with_its_unit() {
+    let file = planar("unloaded", 1e-5);
+    for (newtons, words) in [
+        (9.806_65, "forces in kg (kgf) taken for N"),
+        (4.448_222, "forces in lbf taken for N"),
+        (1.0 / 9.806_65, "forces in N taken for kg (kgf)"),
+    ] {
+        let mut readings = table(&true_arm(&file), 0.0, || 0.0);
+        for column in &mut readings.columns[2..4] {
+            column.values.iter_mut().for_each(|value| *value /= newtons);
+        }
+        let report = run(&file, &readings);
+        let told = report.notes.iter().find(|note| note.contains(words));
+        assert!(
+            told.is_some_and(|note| note.contains("is a unit wrong?")),
+            "{words}: {:?}",
+            report.notes
+        );
+        assert!(report.joints.iter().all(|joint| joint.value.is_some()));
+    }
+    let guessed = ElasticArm::load(&file.robot).unwrap();
+    let guessed = guessed.with_stiffness(&[120.0e3 / 20.0, 30.0e3 / 5.0]);
+    let report = run(&file, &table(&guessed, 0.0, || 0.0));
+    assert!(
+        !report.notes.iter().any(|note| note.contains("unit")),
+        "{:?}",
+        report.notes
     );
 }
