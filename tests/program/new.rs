@@ -37,8 +37,8 @@ fn every_scenario_to_begin_with_runs_on_arms_of_two_makers() {
 }
 
 /// Two axes, a quill and a flange that hangs head down, as the file of such an arm has it; the tool
-/// points where `roll` turns it.
-fn scara(desk: &Desk, roll: &str) -> String {
+/// points where `roll` turns it, and the quill begins at `up`, m.
+fn scara(desk: &Desk, roll: &str, up: f64) -> String {
     let inertia = |mass: f64, far: f64| {
         let (slim, wide) = (mass * 1e-3, mass * (1e-3 + far * far / 3.0));
         format!(
@@ -70,7 +70,7 @@ fn scara(desk: &Desk, roll: &str) -> String {
             "prismatic",
             "0.27 0 0",
             "0 0 -1",
-            (0.0, 0.21),
+            (up, 0.21),
             900.0,
             1.6,
             0.0,
@@ -115,7 +115,7 @@ fn scara(desk: &Desk, roll: &str) -> String {
 #[test]
 fn an_arm_with_a_slide_has_scenarios_to_begin_with() {
     let desk = Desk::new();
-    let urdf = scara(&desk, "180.0");
+    let urdf = scara(&desk, "180.0", 0.0);
     for process in ["load", "chamfer", "milling"] {
         let file = format!("{process}.toml");
         desk.ends(0, &["new", process, "--robot", &urdf, "-o", &file]);
@@ -137,10 +137,40 @@ fn an_arm_with_a_slide_has_scenarios_to_begin_with() {
     let text = std::fs::read_to_string(desk.path("own.toml")).unwrap();
     assert!(text.contains("posture_deg = [10.0, 40.0, -5.0]"), "{text}");
     assert!(text.contains("posture_mm = [120.0]"), "{text}");
-    let urdf = scara(&desk, "0.0");
+    let urdf = scara(&desk, "0.0", 0.0);
     let call = ["new", "milling", "--robot", &urdf, "-o", "up.toml"];
     let told = "its z axis is (0.000, 0.000, 1.000) in every posture";
     desk.refused(&call, &[told, "[frames.tool] in robot.toml"]);
+}
+
+/// Where a place leads the tool, what cannot stand at zero begins in the middle of its range.
+#[test]
+fn an_arm_that_cannot_stand_at_zero_begins_within_its_limits() {
+    let desk = Desk::new();
+    let urdf = scara(&desk, "180.0", 0.05);
+    let call = ["new", "milling", "--robot", &urdf, "-o", "milling.toml"];
+    desk.ends(0, &call);
+    let text = std::fs::read_to_string(desk.path("milling.toml")).unwrap();
+    assert!(text.contains("posture_mm = [130.0]"), "{text}");
+    let output = desk.truecut(&["run", "milling.toml", "--no-rrd"]);
+    let out = String::from_utf8_lossy(&output.stdout);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{out}");
+    assert!(out.contains("completed"), "{out}");
+    // Slides are lengths in what is told of their posture, and in what is written.
+    let call = ["lobes", "milling.toml", "--size", "4", "--runs", "0"];
+    let told = desk.ends(0, &call);
+    let line = told
+        .lines()
+        .find(|line| line.trim_start().starts_with("posture "));
+    let (angles, places) = line.unwrap().split_once(" deg; slides ").unwrap();
+    assert_eq!(angles.split(", ").count(), 3, "{told}");
+    let place_mm: f64 = places.strip_suffix(" mm").unwrap().parse().unwrap();
+    assert!((50.0..=210.0).contains(&place_mm), "{told}");
+    let json = std::fs::read_to_string(desk.path("out/milling/lobes.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["posture_rad"].as_array().unwrap().len(), 3, "{json}");
+    let place_m = json["posture_m"][0].as_f64().unwrap();
+    assert!((1e3 * place_m - place_mm).abs() < 0.006, "{json}");
 }
 
 #[test]

@@ -89,17 +89,22 @@ fn all_alike(links: &[Link], of: impl Fn(&Link) -> f64) -> bool {
 
 fn of_total(chain: &Chain) -> Option<String> {
     let mass_kg: f64 = chain.moving().map(|body| body.link.mass_kg).sum();
-    let reach_m = chain.reach_m();
-    let density = mass_kg / reach_m.powi(2);
-    let what = if density < LEAST_KG_PER_M2 {
-        "less"
-    } else if density > MOST_KG_PER_M2 {
-        "more"
+    let (reach_m, travel_m) = (chain.reach_m(), chain.travel_m());
+    // The reach of a gantry is the travel of its slides, that of an arm on a track is the arm's.
+    let with_travel_m = reach_m + travel_m;
+    let (over_m, what) = if mass_kg / reach_m.powi(2) < LEAST_KG_PER_M2 {
+        (reach_m, "less")
+    } else if mass_kg / with_travel_m.powi(2) > MOST_KG_PER_M2 {
+        (with_travel_m, "more")
     } else {
         return None;
     };
+    let travel = match over_m > reach_m {
+        true => format!(", {travel_m:.2} m of travel of its slides included"),
+        false => String::new(),
+    };
     Some(format!(
-        "{mass_kg:.3} kg move over a reach of {reach_m:.2} m, {what} than in any machine known (or \
+        "{mass_kg:.3} kg move over a reach of {over_m:.2} m{travel}, {what} than in any machine known (or \
          it is in another unit)"
     ))
 }
@@ -112,9 +117,18 @@ impl Chain {
             .map(|joint| joint.parent_from_joint.translation.vector.norm())
             .sum()
     }
+
+    /// How far all slides travel together, those without limits left out, m.
+    pub(crate) fn travel_m(&self) -> f64 {
+        let slides = self.joints.iter();
+        let slides = slides.filter(|joint| joint.kind == JointKind::Prismatic);
+        let travel = slides.filter_map(|joint| joint.limits.map(|own| own.upper - own.lower));
+        travel.filter(|travel| travel.is_finite()).sum()
+    }
 }
 
-/// Lengths of another unit. A long track stands before the first joint that turns.
+/// Lengths of another unit. A long track stands before the first joint that turns; travel of slides
+/// is reach, of which a gantry has little else.
 fn of_lengths(chain: &Chain) -> Option<String> {
     let reach_m = chain.reach_m();
     let least_m = if chain.joints.len() < FEWEST_JOINTS {
@@ -122,7 +136,7 @@ fn of_lengths(chain: &Chain) -> Option<String> {
     } else {
         LEAST_REACH_M
     };
-    if (least_m..=MOST_REACH_M).contains(&reach_m) {
+    if reach_m <= MOST_REACH_M && reach_m + chain.travel_m() >= least_m {
         return None;
     }
     let read = if reach_m > MOST_REACH_M {
@@ -165,7 +179,7 @@ fn of_limits(chain: &Chain) -> Option<String> {
 /// A tool that is longer than the arm.
 fn of_tool_point(chain: &Chain, frames: &Frames) -> Option<String> {
     let (reach_m, off_m) = (
-        chain.reach_m(),
+        chain.reach_m() + chain.travel_m(),
         frames.flange_from_tool.translation.vector.norm(),
     );
     (off_m > reach_m && reach_m > LEAST_REACH_M).then(|| {

@@ -294,13 +294,15 @@ pub enum ArmErrorKind {
         nearest: String,
     },
     #[error(
-        "the path breaks off at pose {index}: the nearest posture is {jump_rad} rad away in joint \"{joint}\" (limit {limit_rad} rad); a singularity or a joint limit lies there"
+        "the path breaks off at pose {index}: the nearest posture is {jump} {unit} away in joint \"{joint}\" (limit {limit} {unit}); a singularity or a joint limit lies there"
     )]
     PathBreaks {
         index: usize,
         joint: String,
-        jump_rad: f64,
-        limit_rad: f64,
+        jump: f64,
+        limit: f64,
+        /// Of both: that of the joint's coordinate.
+        unit: &'static str,
     },
     #[error("pose {index} of the path: {source}")]
     OnPath {

@@ -126,8 +126,9 @@ impl IkSolver<'_> {
             Some((joint, jump)) if jump > options.largest_step => Err(ArmErrorKind::PathBreaks {
                 index,
                 joint: joint.name.clone(),
-                jump_rad: jump,
-                limit_rad: options.largest_step,
+                jump,
+                limit: options.largest_step,
+                unit: joint.kind.coordinate_unit(),
             }
             .into()),
             _ => Ok(()),

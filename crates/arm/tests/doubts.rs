@@ -63,6 +63,28 @@ fn arms() -> impl Strategy<Value = Vec<(f64, (f64, f64))>> {
 /// The z axis along the last joint's, x.
 const OUTWARDS: [f64; 3] = [0.0, std::f64::consts::FRAC_PI_2, 0.0];
 
+/// Of a gantry travel is nearly all of its reach; of an arm on a track it makes no lighter arm.
+#[test]
+fn travel_of_slides_counts_as_reach() {
+    let with_slides =
+        |text: &str, count| text.replacen("type=\"revolute\"", "type=\"prismatic\"", count);
+    let dense = urdf(&[0.04; 6], &[(-1.0, 1.0); 6], OUTWARDS);
+    let of_arm = notes(&dense);
+    let more = "45.000 kg move over a reach of 0.20 m, more than";
+    assert!(told(&of_arm, more), "{of_arm:?}");
+    let of_gantry = notes(&with_slides(&dense, 3));
+    assert!(!told(&of_gantry, "move over a reach"), "{of_gantry:?}");
+    let short = urdf(&[0.04; 6], &[(-0.002, 0.002); 6], OUTWARDS);
+    let of_short = notes(&with_slides(&short, 1));
+    let more = "over a reach of 0.20 m, 0.00 m of travel of its slides included, more than";
+    assert!(told(&of_short, more), "{of_short:?}");
+    let slim = urdf(&[0.5; 6], &[(-2.0, 2.0); 6], OUTWARDS);
+    for slides in [0, 1, 3] {
+        let on_track = notes(&with_slides(&slim, slides));
+        assert!(!told(&on_track, "move over a reach"), "{on_track:?}");
+    }
+}
+
 proptest! {
     #[test]
     fn an_arm_in_metres_and_radians_is_believed_and_one_in_other_units_told(joints in arms()) {

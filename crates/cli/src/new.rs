@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use truecut::outputs::write_file;
-use truecut_arm::{FrameId, JointKind, Masses, Packages, Reading, Robot};
+use truecut_arm::{FrameId, Joint, JointKind, Limits, Masses, Packages, Reading, Robot};
 use truecut_scenario::Scenario;
 use truecut_sim::run::Run;
 
@@ -74,10 +74,7 @@ pub fn new(arguments: &NewArguments) -> Result<ExitStatus, Failure> {
     }
     // What is wrong everywhere has nothing to do with the start.
     if let Some(fault) = last.as_ref().filter(|_| is_one) {
-        return Err(Failure::with_help(
-            fault,
-            "what a robot's file lacks goes into robot.toml: truecut robot init FILE --payload KG",
-        ));
+        return Err(of_every_start(&robot, fault));
     }
     let what = if place_leads {
         "--place-mm"
@@ -91,6 +88,21 @@ pub fn new(arguments: &NewArguments) -> Result<ExitStatus, Failure> {
         ),
         format!("name one with {what}"),
     ))
+}
+
+/// A fault that no start changes. There is a command for what a robot's file lacks, and for no
+/// more.
+fn of_every_start(robot: &Robot, fault: &str) -> Failure {
+    let mut joints = robot.chain.joints.iter();
+    let lacks =
+        robot.config_path.is_none() || joints.any(|joint| joint.transmission.stiffness.is_none());
+    match lacks {
+        true => Failure::with_help(
+            fault,
+            "what a robot's file lacks goes into robot.toml: truecut robot init FILE --payload KG",
+        ),
+        false => Failure::message(format!("{fault} (so from every start that was tried)")),
+    }
 }
 
 /// Each option that is given has a use.
@@ -210,7 +222,9 @@ fn postures(robot: &Robot) -> Vec<Vec<f64>> {
             let posture: Vec<f64> = joints
                 .map(|joint| {
                     let (low, high) = joint.limits.map_or((-2.0, 2.0), |l| {
-                        (l.lower.max(-2.0), l.upper.min(2.0).max(l.lower))
+                        let near = (l.lower.max(-2.0), l.upper.min(2.0));
+                        // A range that is far from zero has nothing near it.
+                        if near.0 < near.1 { near } else { range(&l) }
                     });
                     low + (0.2 + 0.6 * share()) * (high - low)
                 })
@@ -222,6 +236,44 @@ fn postures(robot: &Robot) -> Vec<Vec<f64>> {
         .collect();
     drawn.sort_by(|a, b| b.0.total_cmp(&a.0));
     drawn.into_iter().map(|(_, posture)| posture).collect()
+}
+
+/// The limits of a joint; where one is not given, 4 rad or 4 m from the other, a range as wide as
+/// that in which postures are looked for.
+fn range(limits: &Limits) -> (f64, f64) {
+    let (low, high) = (limits.lower, limits.upper);
+    match (low.is_finite(), high.is_finite()) {
+        (true, false) => (low, low + 4.0),
+        (false, true) => (high - 4.0, high),
+        (true, true) => (low, high),
+        (false, false) => (-2.0, 2.0),
+    }
+}
+
+/// Where an arm begins that a place leads, as a scenario gives it: at zero, which needs no word. A
+/// joint that cannot stand there stands in the middle of its range, far from its limits.
+fn resting_keys(robot: &Robot) -> String {
+    let rests = |joint: &Joint| -> f64 {
+        let at_zero = |own: &Limits| (own.lower..=own.upper).contains(&0.0);
+        let Some(limits) = joint.limits.filter(|own| !at_zero(own)) else {
+            return 0.0;
+        };
+        let scale = match joint.kind {
+            JointKind::Prismatic => 1e3,
+            JointKind::Revolute => 1_f64.to_degrees(),
+        };
+        let (low, high) = range(&limits);
+        let (low, high) = (scale * low, scale * high);
+        let middle = 0.5 * (low + high);
+        // A range of less than a millimetre or a degree may have no whole number in it.
+        let is_inside = low < middle.round() && middle.round() < high;
+        if is_inside { middle.round() } else { middle }
+    };
+    let values: Vec<f64> = robot.chain.joints.iter().map(rests).collect();
+    match values.iter().all(|value| *value == 0.0) {
+        true => String::new(),
+        false => posture_keys(robot, &values),
+    }
 }
 
 /// Where the joints stand, degrees or mm in chain order, as a scenario gives it: slides apart.
@@ -290,7 +342,7 @@ fn filled(arguments: &NewArguments, robot: &Robot, start: &Start) -> Result<Stri
             text = text.replace("@POSTURE@", &posture_keys(robot, values));
         }
         Start::Place(place, turn) => {
-            text = text.replace("@POSTURE@", "");
+            text = text.replace("@POSTURE@", &resting_keys(robot));
             text = text.replace("@TURN@", &format!("{turn:?}"));
             for (key, value) in ["@X@", "@Y@", "@Z@"].iter().zip(place) {
                 text = text.replace(key, &format!("{value:?}"));

@@ -3,7 +3,7 @@
 
 use super::{DataSheet, Lengths};
 use crate::error::{ArmError, ArmErrorKind};
-use crate::model::{Chain, JointKind};
+use crate::model::Chain;
 
 /// Fewest joints of what is an arm; a rig of fewer may have any masses.
 const FEWEST_JOINTS: usize = 4;
@@ -89,7 +89,7 @@ pub(super) fn notes(
     let mut figures = Vec::new();
     let length_m = lengths.reach;
     if let Some(reach_m) = sheet.reach_m {
-        let travel_m = travel_m(chain);
+        let travel_m = chain.travel_m();
         // Of an arm on a track a sheet gives the arm's reach, of a gantry that of its slides.
         let with_travel = travel_m > 0.0 && reach_m - 1e-3 > length_m;
         let length_m = length_m + if with_travel { travel_m } else { 0.0 };
@@ -126,14 +126,6 @@ pub(super) fn notes(
         notes.extend(figure.judged()?);
     }
     Ok(notes)
-}
-
-/// How far all slides of a chain travel together, those without limits left out.
-fn travel_m(chain: &Chain) -> f64 {
-    let slides = chain.joints.iter();
-    let slides = slides.filter(|joint| joint.kind == JointKind::Prismatic);
-    let travel = slides.filter_map(|joint| joint.limits.map(|own| own.upper - own.lower));
-    travel.filter(|travel| travel.is_finite()).sum()
 }
 
 fn of_mass(chain: &Chain, length_m: f64, sheet: &DataSheet) -> [Figure<'static>; 2] {

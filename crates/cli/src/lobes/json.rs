@@ -1,6 +1,7 @@
 //! `lobes.json`: the diagram's limits for other programs.
 
 use serde_json::json;
+use truecut_arm::JointKind;
 use truecut_core::chatter::averaged::Crossing;
 
 use super::Diagram;
@@ -9,7 +10,8 @@ use crate::failure::Failure;
 
 /// The file. All numbers are SI; one that does not exist is `null`. `limit` is by spectral
 /// elements, `limit_error_m` by how much the discretisation in time puts it wrong, estimated;
-/// `other_damping_limit` is with the damping of the arm that the scenario did not choose.
+/// `other_damping_limit` is with the damping of the arm that the scenario did not choose. Slides
+/// have a list of their own, `posture_m`, which an arm without slides does not have.
 pub fn json(diagram: &Diagram<'_>) -> Result<String, Failure> {
     let lobes = &diagram.lobes;
     let limit = |found: Option<Crossing>| {
@@ -34,9 +36,9 @@ pub fn json(diagram: &Diagram<'_>) -> Result<String, Failure> {
             "chatter_hz": run.chatter_hz,
         })
     });
-    crate::text::json(&json!({
+    let mut report = json!({
         "scenario": diagram.scenario.name,
-        "posture_rad": diagram.posture,
+        "posture_rad": diagram.joints(JointKind::Revolute),
         // Depth down to which limits were looked for.
         "deepest_m": lobes.depth_m.last().copied().unwrap_or(0.0),
         // Speed above which nothing is said, since modes of the tool are missing.
@@ -48,5 +50,10 @@ pub fn json(diagram: &Diagram<'_>) -> Result<String, Failure> {
         "runs": runs.collect::<Vec<_>>(),
         // What the scenario says is uncertain, drawn; none if it says nothing of it.
         "uncertain": diagram.uncertain.as_ref().map(UncertainJson::from),
-    }))
+    });
+    let slides = diagram.joints(JointKind::Prismatic);
+    if !slides.is_empty() {
+        report["posture_m"] = json!(slides);
+    }
+    crate::text::json(&report)
 }

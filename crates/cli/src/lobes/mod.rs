@@ -11,7 +11,7 @@ pub use along::{margin, shade};
 
 use std::f64::consts::TAU;
 
-use truecut_arm::Robot;
+use truecut_arm::{JointKind, Robot};
 use truecut_core::chatter::TipMode;
 use truecut_plan::lobes::{LobeRequest, Lobes};
 use truecut_scenario::{ProcessSpec, Scenario};
@@ -37,6 +37,15 @@ struct Diagram<'a> {
     uncertain: Option<uncertain::Uncertain>,
     /// Sentences on the damping.
     notes: Vec<String>,
+}
+
+impl Diagram<'_> {
+    /// The posture's joints of one kind, in chain order, rad or m.
+    fn joints(&self, kind: JointKind) -> Vec<f64> {
+        let joints = self.study.robot.chain.joints.iter().zip(&self.posture);
+        let joints = joints.filter(|(joint, _)| joint.kind == kind);
+        joints.map(|(_, value)| *value).collect()
+    }
 }
 
 /// The diagram with the arm's other damping.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use truecut_arm::JointKind;
 use truecut_core::chatter::averaged::Crossing;
 use truecut_recording::{Unit, significant};
 
@@ -25,10 +26,7 @@ pub fn printed(diagram: &Diagram<'_>, written: &[PathBuf]) -> String {
 pub fn summary(diagram: &Diagram<'_>) -> String {
     let lobes = &diagram.lobes;
     let cut = &diagram.study.cut;
-    let degrees: Vec<String> = (diagram.posture.iter())
-        .map(|q| format!("{:.2}", q.to_degrees()))
-        .collect();
-    let mut text = format!("  posture {} deg\n", degrees.join(", "));
+    let mut text = posture(diagram);
     let deepest = lobes.depth_m.last().copied().unwrap_or(0.0);
     let shown = |limit: Option<Crossing>| match limit {
         Some(limit) => format!(
@@ -78,6 +76,20 @@ pub fn summary(diagram: &Diagram<'_>) -> String {
         );
     }
     text
+}
+
+/// Where the joints stand, in chain order, slides apart and in mm as in a scenario.
+fn posture(diagram: &Diagram<'_>) -> String {
+    let of = |kind: JointKind, scale: f64, unit: &str| {
+        let values = diagram.joints(kind);
+        let shown = values.iter().map(|value| format!("{:.2}", value * scale));
+        let shown = shown.collect::<Vec<_>>().join(", ");
+        (!values.is_empty()).then(|| format!("{shown} {unit}"))
+    };
+    let rotary = of(JointKind::Revolute, 1_f64.to_degrees(), "deg");
+    let slides = of(JointKind::Prismatic, 1e3, "mm");
+    let parts: Vec<String> = rotary.into_iter().chain(slides).collect();
+    format!("  posture {}\n", parts.join("; slides "))
 }
 
 fn runs(diagram: &Diagram<'_>) -> String {

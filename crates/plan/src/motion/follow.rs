@@ -1,7 +1,7 @@
 //! Postures along poses, and the places at which an arm cannot be led.
 
 use thiserror::Error;
-use truecut_arm::{ArmErrorKind, IkSolver, Robot};
+use truecut_arm::{ArmErrorKind, IkSolver, JointKind, Robot};
 
 use super::joints::{JointSpeed, joint_speeds};
 use crate::singularity::SingularityLimits;
@@ -24,18 +24,19 @@ pub enum FollowError {
     /// Inverse kinematics found nothing.
     #[error("{}: {reason}", cannot_follow(*.at_mm))]
     Unreachable { at_mm: f64, reason: String },
-    /// A joint would have to jump.
+    /// A joint would have to jump, in the unit of its coordinate.
     #[error(
-        "{}: joint `{joint}` would have to turn by {jump_rad:.3} rad within {within_mm:.1} mm, more than \
-         {limit_rad} rad: a singularity, or another branch",
+        "{}: joint `{joint}` would have to move by {jump:.3} {unit} within {within_mm:.1} mm, more than \
+         {limit} {unit}: a singularity, or another branch",
         cannot_follow(*.at_mm)
     )]
     Jump {
         at_mm: f64,
         within_mm: f64,
         joint: String,
-        jump_rad: f64,
-        limit_rad: f64,
+        jump: f64,
+        limit: f64,
+        unit: &'static str,
     },
     /// No posture at the start is of the branch asked for.
     #[error(
@@ -69,15 +70,17 @@ pub enum FollowError {
         near: String,
         least: String,
     },
-    /// `from` names what distances are counted from, `advice` what helps.
+    /// Speeds are in `unit`, those of a slide in mm/s. `from` names what distances are counted
+    /// from, `advice` what helps.
     #[error(
-        "joint `{joint}` would have to move at {speed_deg_s:.2} deg/s {at_mm:.1} mm from {from}'s start, \
-         but can do {limit_deg_s:.2} deg/s: {advice}"
+        "joint `{joint}` would have to move at {speed:.2} {unit} {at_mm:.1} mm from {from}'s start, \
+         but can do {limit:.2} {unit}: {advice}"
     )]
     TooFast {
         joint: String,
-        speed_deg_s: f64,
-        limit_deg_s: f64,
+        speed: f64,
+        limit: f64,
+        unit: &'static str,
         at_mm: f64,
         from: &'static str,
         advice: &'static str,
@@ -109,16 +112,18 @@ pub fn leaves(kind: &ArmErrorKind, at_mm: &AtMm<'_>) -> (usize, FollowError) {
         ArmErrorKind::PathBreaks {
             index,
             joint,
-            jump_rad,
-            limit_rad,
+            jump,
+            limit,
+            unit,
         } => (
             *index,
             FollowError::Jump {
                 at_mm: at_mm(*index),
                 within_mm: at_mm(*index) - at_mm(index.saturating_sub(1)),
                 joint: joint.clone(),
-                jump_rad: *jump_rad,
-                limit_rad: *limit_rad,
+                jump: *jump,
+                limit: *limit,
+                unit,
             },
         ),
         other => (0, FollowError::Arm(other.to_string())),
@@ -192,10 +197,16 @@ pub fn check_speeds(
     for (k, pair) in knots.windows(2).enumerate() {
         let mut speeds = joint_speeds(robot, &pair[0], &pair[1], interval_s);
         if let Some(fast) = speeds.find(JointSpeed::is_too_fast) {
+            let joint = &robot.chain.joints[fast.joint];
+            let (scale, unit) = match joint.kind {
+                JointKind::Revolute => (1_f64.to_degrees(), "deg/s"),
+                JointKind::Prismatic => (1e3, "mm/s"),
+            };
             return Err(FollowError::TooFast {
-                joint: robot.chain.joints[fast.joint].name.clone(),
-                speed_deg_s: fast.speed.to_degrees(),
-                limit_deg_s: fast.limit.to_degrees(),
+                joint: joint.name.clone(),
+                speed: fast.speed * scale,
+                limit: fast.limit * scale,
+                unit,
                 at_mm: at_mm(k),
                 from,
                 advice,
