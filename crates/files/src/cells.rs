@@ -41,7 +41,7 @@ impl std::error::Error for CellsError {}
 impl Cells {
     /// Reads a text whose cells are delimited by semicolons, tabs, commas or blanks, whichever of
     /// them the first row has, in this order. A row is a line; lines that begin with `#` are
-    /// comments. Lines may end in CR LF, LF or CR.
+    /// comments ([`is_comment`]). Lines may end in CR LF, LF or CR.
     ///
     /// # Errors
     /// A quoted cell that goes on over several lines.
@@ -49,7 +49,7 @@ impl Cells {
         let text = text.trim_start_matches('\u{feff}');
         let of_lines = |(index, line)| (index + 1, line);
         let lines: Vec<(usize, &str)> = (split(text).enumerate().map(of_lines))
-            .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+            .filter(|(_, line)| !line.trim().is_empty() && !is_comment(line))
             .collect();
         let Some(delimiter) = lines.first().and_then(|(_, first)| delimiter(first)) else {
             // Columns that stand under each other: any number of blanks between two of them.
@@ -102,6 +102,17 @@ impl Cells {
     }
 }
 
+/// What spreadsheets write where a cell has no value.
+const NO_VALUE: [&str; 2] = ["#NV", "#N/A"];
+
+/// Whether a line is a comment: it begins with `#`, and not with a spreadsheet's cell without a
+/// value, which would take the row away without a word.
+pub fn is_comment(line: &str) -> bool {
+    let is_cell = |rest: &str| rest.starts_with([';', '\t', ',']);
+    let mut first = NO_VALUE.iter().filter_map(|cell| line.strip_prefix(cell));
+    line.starts_with('#') && !first.any(is_cell)
+}
+
 /// The number in a cell, with a decimal comma or without.
 pub fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     plain(cell, decimal_comma).parse().ok()
@@ -151,6 +162,13 @@ mod tests {
                 assert_eq!(comma, (!delimiter.contains(',')).then_some(1.5));
             }
         }
+    }
+
+    #[test]
+    fn a_row_that_begins_without_a_value_is_no_comment() {
+        let cells = Cells::of("a;b\n#NV;1\n#N/A;2\n#NV is a comment\n# so is this; 3\n").unwrap();
+        let first: Vec<&str> = cells.rows.iter().map(|row| &*row.cells[0]).collect();
+        assert_eq!(first, ["a", "#NV", "#N/A"]);
     }
 
     #[test]

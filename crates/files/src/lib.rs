@@ -12,7 +12,7 @@ mod room;
 mod watched;
 mod whole;
 
-pub use cells::{CellRow, Cells, CellsError, number};
+pub use cells::{CellRow, Cells, CellsError, is_comment, number};
 pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, open_own, read, read_text};
 pub use memory::{limit_memory, memory_limit};
 pub use name::folder_name;

@@ -155,6 +155,29 @@ const SYMBOLS: &[(&str, Unit, f64)] = &[
     ("mA", Unit::Ampere, 1e-3),
 ];
 
+/// What other programs write for a unit whose symbol is spelt otherwise than theirs, and less so
+/// than that of another: "Grad" is nearer to "rad" than to "deg".
+const WORDS: [(&str, &str); 10] = [
+    ("grad", "deg"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("grad/s", "deg/s"),
+    ("°/s", "deg/s"),
+    ("°/s^2", "deg/s^2"),
+    ("sec", "s"),
+    ("sek", "s"),
+    ("1/min", "rpm"),
+    ("u/min", "rpm"),
+];
+
+/// The symbol that was meant by a text that is none: by its word, else by its spelling.
+fn meant(text: &str) -> Option<&'static str> {
+    let lower = text.to_lowercase();
+    let word = WORDS.iter().find(|(word, _)| *word == lower);
+    word.map(|(_, symbol)| *symbol)
+        .or_else(|| nearest(text, SYMBOLS.iter().map(|entry| entry.0)))
+}
+
 impl Unit {
     /// The SI symbol: `"m"`, `"N m"`, `"1"`.
     pub fn symbol(self) -> &'static str {
@@ -177,7 +200,7 @@ impl Unit {
             .map(|&(_, unit, factor)| (unit, factor))
             .ok_or_else(|| UnitError {
                 text: text.to_owned(),
-                nearest: nearest(wanted, SYMBOLS.iter().map(|entry| entry.0)).map(str::to_owned),
+                nearest: meant(wanted).map(str::to_owned),
             })
     }
 

@@ -36,7 +36,7 @@ pub(crate) struct DataTable {
     /// Column of the times; of an MCAP file "header_stamp" or "log_time". Either this or rate_hz is
     /// needed.
     time: Option<String>,
-    /// Unit of the times. Default: "s".
+    /// Unit of the times. Default: that which the file gives its column, else "s".
     time_unit: Option<String>,
     /// Rate of the rows, if there is no column of times.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
@@ -145,6 +145,7 @@ impl DataTable {
             header: self.header.unwrap_or(true),
             mapping: Mapping {
                 time: time?,
+                is_time_unit_said: self.time_unit.is_some(),
                 clock_rate: self.clock_rate.unwrap_or(1.0),
                 window_s,
                 resample_hz: self.resample_hz,

@@ -45,6 +45,16 @@ pub enum Reason {
         /// As in the file.
         value: String,
     },
+    /// A cell of a table that is wrong in a way of its own.
+    #[error("line {line}, column \"{column}\": {message}")]
+    CellFault {
+        /// Counted from 1.
+        line: usize,
+        /// Its name.
+        column: String,
+        /// Value and rule.
+        message: String,
+    },
     /// A line of a table.
     #[error("line {line}: {message}")]
     Line {

@@ -8,6 +8,8 @@ use truecut_scenario::{DataSpec, Scenario};
 use truecut_sim::run::RunError;
 use truecut_telemetry::read_tables;
 
+use crate::saturated;
+
 /// The data that a replay is driven by, from the file that the scenario names; `None` for scenarios
 /// that replay nothing. What [`Run::read_data`](crate::Run::read_data) takes.
 ///
@@ -83,8 +85,11 @@ fn load(scenario: &Scenario, data: &DataSpec, file: Option<&Path>) -> Result<Mea
     };
     let tables =
         read_tables(path, data.header).map_err(|error| failed("data.file", error.to_string()))?;
-    map(&tables, &data.mapping)
-        .map_err(|error| failed(&key(scenario, data, &error), error.to_string()))
+    let mut measured = map(&tables, &data.mapping)
+        .map_err(|error| failed(&key(scenario, data, &error), error.to_string()))?;
+    let saturated = saturated::notes(&tables, &data.mapping.channels);
+    measured.notes.extend(saturated);
+    Ok(measured)
 }
 
 /// The key of the scenario that asks for what the data do not have.
@@ -93,7 +98,15 @@ fn key(scenario: &Scenario, data: &DataSpec, error: &DataError) -> String {
         return "data.file".to_owned();
     };
     if matches!(&data.mapping.time, TimeBase::Column { column: time, .. } if time == column) {
-        return "data.time".to_owned();
+        // What is wrong with a column that is there is its unit.
+        let of_unit = matches!(error, DataError::Channel { .. });
+        let is_said = of_unit && scenario.gives("data.time_unit");
+        let key = if is_said {
+            "data.time_unit"
+        } else {
+            "data.time"
+        };
+        return key.to_owned();
     }
     let mut channels = data.mapping.channels.iter();
     let names = |one: &ChannelMapping| {

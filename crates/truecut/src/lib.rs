@@ -344,6 +344,7 @@ pub mod outputs;
 mod parts;
 mod predictions;
 mod rows;
+mod saturated;
 mod shown;
 mod staged;
 

@@ -138,6 +138,7 @@ mod tests {
         };
         Mapping {
             time: TimeBase::Rate { hz: 100.0 },
+            is_time_unit_said: false,
             clock_rate: 1.0,
             window_s: [f64::NEG_INFINITY, f64::INFINITY],
             resample_hz: None,

@@ -90,6 +90,9 @@ pub struct ChannelMapping {
 pub struct Mapping {
     /// Where the times come from.
     pub time: TimeBase,
+    /// Whether the unit of a column of times is said: else that counts which the file gives, and
+    /// the one of [`Mapping::time`] where it gives none.
+    pub is_time_unit_said: bool,
     /// Seconds of the result in one of the file.
     pub clock_rate: f64,
     /// The part of the file that is used, s, in the file's own time; ends are infinite if not

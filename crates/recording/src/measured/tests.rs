@@ -49,6 +49,7 @@ fn mapping() -> Mapping {
             column: "t".into(),
             unit: UserUnit::from(Unit::Second),
         },
+        is_time_unit_said: true,
         clock_rate: 1.0,
         window_s: [f64::NEG_INFINITY, f64::INFINITY],
         resample_hz: None,

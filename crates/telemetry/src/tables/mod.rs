@@ -21,10 +21,10 @@ use crate::log;
 /// comma where that does not delimit; lines that begin with `#` are comments. With `header` its
 /// first row names the columns, else they are called "1", "2", …. Before the names there may be
 /// lines of something else, and behind them a row of units, which become those of the columns.
-/// Empty cells, `nan` and `NA` are NaN, as are nulls in a Parquet or Arrow file, whose columns may
-/// be of any type of number. Stamps (2026-05-04T09:30:00.125Z; in Parquet and Arrow the type for
-/// them) are seconds since the beginning of 1970. A text that is not UTF-8 is read as Latin-1
-/// (Windows-1252).
+/// Empty cells, `nan`, `NA` and `#N/A` are NaN, as are nulls in a Parquet or Arrow file, whose
+/// columns may be of any type of number. Stamps (2026-05-04T09:30:00.125Z; in Parquet and Arrow the
+/// type for them) are seconds since the beginning of 1970. A text that is not UTF-8 is read as
+/// Latin-1 (Windows-1252).
 ///
 /// A text that begins with a telegram `<Rob …>` of KUKA.RobotSensorInterface is a log of these: a
 /// row a telegram, a column an attribute (`AIPos.A1`, deg; `RIst.X`, mm), times in `IPOC`, ms. What

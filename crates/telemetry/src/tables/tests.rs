@@ -90,6 +90,11 @@ fn what_is_missing_is_not_a_number() {
     let table = csv("t,q\n0,\n1,nan\n2,NA\n3,4\n", true).unwrap();
     let q = table.column("q").unwrap();
     assert!(q[..3].iter().all(|value| value.is_nan()) && q[3] == 4.0);
+    // As spreadsheets write it, at the beginning of a line, too, where it is no comment.
+    let table = csv("q;t\n#NV;0,0\n#N/A;0,1\n4;n/a\n", true).unwrap();
+    let q = table.column("q").unwrap();
+    assert!(q[..2].iter().all(|value| value.is_nan()) && q[2] == 4.0);
+    assert!(table.column("t").unwrap()[2].is_nan());
 }
 
 #[test]
@@ -168,6 +173,96 @@ fn a_preamble_and_a_row_of_units_are_no_part_of_the_table() {
             }
         }
     }
+}
+
+#[test]
+fn an_unknown_unit_in_a_row_of_units_is_named() {
+    for (text, line, column, word, meant) in [
+        (
+            "t;a 1;b 2\ns;Grad;mm\n0,0;1,5;2,5\n",
+            2,
+            "a 1",
+            "Grad",
+            "deg",
+        ),
+        ("t;a;b\ns;N;kNn\n0,0;1,5;2,5\n", 2, "b", "kNn", "kN"),
+        (
+            "Messung;Labor\n\nt;a;b\ns;U/min;Grad\n0,0;1,5;2,5\n",
+            4,
+            "a",
+            "U/min",
+            "rpm",
+        ),
+    ] {
+        let told = csv(text, true).unwrap_err().to_string();
+        let wanted = format!(
+            "line {line}, column \"{column}\": unknown unit \"{word}\"; did you mean \"{meant}\"?"
+        );
+        assert!(told.contains(&wanted), "{told}");
+    }
+    // Columns that are called like units, below what is no part of the table.
+    for head in ["A;B\n\n", "Bench 4\n"] {
+        let table = csv(&format!("{head}s;F\n0,0;1,5\n1,0;2\n"), true).unwrap();
+        assert_eq!(table.column("F").unwrap(), [1.5, 2.0], "{head}");
+    }
+    // In brackets a unit is said, whether it is known or not.
+    let table = csv("t,q\n[s],[Inc]\n0,1\n", true).unwrap();
+    assert_eq!(table.units["q"], "Inc");
+}
+
+#[test]
+fn a_delimiter_that_ends_the_rows_begins_no_column() {
+    let rows = "0,0;1,5;2,5;\n0,1;1,6;;\n";
+    for head in [
+        "t;a;b;\n",
+        "t;a;b\n",
+        "t;a;b;\ns;mm;N;\n",
+        "Bench 4\n\nt;a;b;\n",
+    ] {
+        let table = csv(&format!("{head}{rows}"), true).unwrap();
+        assert_eq!(table.columns.len(), 3, "{head}");
+        assert_eq!(table.column("a").unwrap(), [1.5, 1.6], "{head}");
+        assert!(table.column("b").unwrap()[1].is_nan(), "{head}");
+    }
+    // Where one row does not end so, a cell may be lost.
+    for text in ["t;a;b;\n0;1;2;\n1;2;\n", "t;a;b;\n0;1;2;\n1;2;3;4\n"] {
+        assert!(csv(text, true).is_err(), "{text}");
+    }
+    let table = csv("t;a\n0;\n1;\n", true).unwrap();
+    assert_eq!(
+        table.columns.len(),
+        2,
+        "a column that has no value has a name"
+    );
+}
+
+#[test]
+fn quoted_decimal_commas_are_read_where_they_cannot_part_thousands() {
+    let text = "\"t\",\"a\"\n\"0,0\",\"1,500\"\n\"0,1\",\"-1,6e2\"\n";
+    let table = csv(text, true).unwrap();
+    assert_eq!(table.column("t").unwrap(), [0.0, 0.1]);
+    assert_eq!(table.column("a").unwrap(), [1.5, -160.0]);
+    assert!(table.notes[0].contains("commas"), "{:?}", table.notes);
+    for either in [
+        "t,a\n\"1,500\",\"2,500\"\n",
+        "t,a\n\"1,5\",2.5\n",
+        "t,a\n\"1,5\",\"1,234,567\"\n",
+    ] {
+        assert!(csv(either, true).is_err(), "{either}");
+    }
+}
+
+#[test]
+fn a_number_that_is_too_large_is_no_missing_one() {
+    for text in ["t;a\n0;1e400\n1;2\n", "t;a\n1;2\n0;-1,5e999\n"] {
+        let told = csv(text, true).unwrap_err().to_string();
+        let wanted = "is beyond the largest number that can be held, 1.8e308";
+        assert!(
+            told.contains("column \"a\"") && told.contains(wanted),
+            "{told}"
+        );
+    }
+    assert!(csv("t;a\n0;inf\n", true).unwrap().column("a").unwrap()[0].is_infinite());
 }
 
 #[test]

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use arrow::compute::kernels::cast_utils::string_to_timestamp_nanos;
 use encoding_rs::WINDOWS_1252;
-use truecut_files::{CellRow, Cells};
-use truecut_recording::UserUnit;
+use truecut_files::{CellRow, Cells, is_comment};
 use truecut_recording::measured::{Column, Table};
+use truecut_recording::{UnitError, UserUnit};
 
 use super::telegrams;
 use crate::error::Reason;
@@ -31,10 +31,15 @@ pub(super) fn text_table(path: &Path, header: bool) -> Result<Table, Reason> {
         });
         text = blanked(&text, last);
     }
-    let cells = Cells::of(&text).map_err(|error| Reason::Line {
+    let mut cells = Cells::of(&text).map_err(|error| Reason::Line {
         line: error.line,
         message: error.message,
     })?;
+    drop_empty_end(&mut cells.rows);
+    if !cells.decimal_comma && are_decimals_quoted(&cells.rows) {
+        cells.decimal_comma = true;
+        notes.push("commas in quoted numbers are read as decimal ones".to_owned());
+    }
     let mut table = table_of(cells, header)?;
     table.notes = notes;
     Ok(table)
@@ -51,8 +56,17 @@ fn table_of(cells: Cells, header: bool) -> Result<Table, Reason> {
     if header {
         rows.next();
         let is_units = |row: &CellRow| row.cells.len() == names.len() && are_units(&row.cells);
-        let units = rows.next_if(is_units).map(|row| row.cells);
-        table.units = units_of(&names, units);
+        let units = rows.next_if(is_units);
+        if let Some(row) = &units
+            && let Some((at, error)) = unknown_unit(&row.cells)
+        {
+            return Err(Reason::CellFault {
+                line: row.line,
+                column: names[at].clone(),
+                message: error.to_string(),
+            });
+        }
+        table.units = units_of(&names, units.map(|row| row.cells));
     }
     let column = |name| Column {
         name,
@@ -81,11 +95,8 @@ fn append(table: &mut Table, row: &CellRow, decimal_comma: bool) -> Result<(), R
         return Err(Reason::Line { line, message });
     }
     for (column, cell) in table.columns.iter_mut().zip(&row.cells) {
-        let value = number(cell, decimal_comma).ok_or_else(|| Reason::Cell {
-            line,
-            column: column.name.clone(),
-            value: cell.clone(),
-        })?;
+        let value = number(cell, decimal_comma)
+            .ok_or_else(|| of_cell(line, &column.name, cell, decimal_comma))?;
         column.values.push(value);
         if is_first && is_stamp(cell, decimal_comma) {
             let unit = table.units.entry(column.name.clone());
@@ -94,6 +105,65 @@ fn append(table: &mut Table, row: &CellRow, decimal_comma: bool) -> Result<(), R
     }
     table.lines.push(line);
     Ok(())
+}
+
+/// Why a cell is not read.
+fn of_cell(line: usize, column: &str, cell: &str, decimal_comma: bool) -> Reason {
+    let column = column.to_owned();
+    let value = truecut_files::number(cell, decimal_comma);
+    match value.is_some_and(|value| is_overflow(cell, value)) {
+        true => Reason::CellFault {
+            line,
+            column,
+            message: format!(
+                "\"{cell}\" is beyond the largest number that can be held, {:.1e}: the file is damaged, or it stands \
+                 for no value and belongs empty",
+                f64::MAX
+            ),
+        },
+        false => Reason::Cell {
+            line,
+            column,
+            value: cell.to_owned(),
+        },
+    }
+}
+
+/// Takes away the empty cell behind a delimiter that ends every row, that of the names or not: a
+/// column without a name and without a value. Where one row has none, a cell may be lost.
+fn drop_empty_end(rows: &mut [CellRow]) {
+    let ends_empty =
+        |row: &CellRow| row.cells.len() > 1 && row.cells.last().is_some_and(String::is_empty);
+    let Some((first, rest)) = rows.split_first_mut() else {
+        return;
+    };
+    let named = first.cells.len() - usize::from(ends_empty(first));
+    let is_longer = |row: &CellRow| row.cells.len() == named + 1 && ends_empty(row);
+    if !rest.is_empty() && rest.iter().all(is_longer) {
+        first.cells.truncate(named);
+        rest.iter_mut().for_each(|row| row.cells.truncate(named));
+    }
+}
+
+/// Whether commas within quotes are decimal, in a text that commas delimit: one of them cannot part
+/// thousands, and no number of the text has a decimal point.
+fn are_decimals_quoted(rows: &[CellRow]) -> bool {
+    let cells = || rows.iter().flat_map(|row| &row.cells);
+    let is_number = |cell: &&String| truecut_files::number(cell, true).is_some();
+    let mut with_comma = cells().filter(|cell| cell.contains(',')).filter(is_number);
+    with_comma.any(|cell| parts_no_thousands(cell))
+        && !cells().filter(is_number).any(|cell| cell.contains('.'))
+}
+
+/// Whether the comma of a number cannot stand between thousands: three digits follow those, and one
+/// to three go before, the first no zero.
+fn parts_no_thousands(cell: &str) -> bool {
+    let Some((whole, rest)) = cell.split_once(',') else {
+        return false;
+    };
+    let whole = whole.trim_start_matches(['+', '-']);
+    let digits = rest.chars().take_while(char::is_ascii_digit).count();
+    digits != 3 || whole.starts_with('0') || !(1..=3).contains(&whole.len())
 }
 
 /// The text, with a note where it had to be guessed how it is encoded: what is not UTF-8 is taken
@@ -126,7 +196,7 @@ fn decoded(bytes: Vec<u8>) -> Result<(String, Vec<String>), Reason> {
 fn preamble(text: &str) -> Option<(usize, usize)> {
     let lines: Vec<(usize, &str)> = (1..)
         .zip(text.lines())
-        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+        .filter(|(_, line)| !line.trim().is_empty() && !is_comment(line))
         .collect();
     let (_, last) = lines.last()?;
     // What does not stand in a line does not delimit it: else a decimal comma would join two cells.
@@ -136,17 +206,30 @@ fn preamble(text: &str) -> Option<(usize, usize)> {
         .filter(delimits)
         .find_map(|delimiter| Some((delimiter, numbers(last, delimiter)?)))?;
     let data = (lines.iter()).position(|(_, line)| numbers(line, delimiter) == Some(cells))?;
+    let are_words = |cells: &[String]| cells.iter().all(|cell| number(cell, true).is_none());
     let is_head = |&(_, line): &(usize, &str)| {
         let head = split(line, delimiter);
-        head.len() == cells && head.iter().all(|cell| number(cell, true).is_none())
+        head.len() == cells && are_words(&head)
     };
+    // A delimiter that ends the rows ends that of the names, too.
+    let is_names = |line: &(usize, &str)| match split(line.1, delimiter).split_last() {
+        Some((last, rest)) if last.is_empty() && !rest.is_empty() => {
+            rest.len() + 1 == cells && are_words(rest)
+        }
+        _ => is_head(line),
+    };
+    let adjoins = |upper: usize| lines[upper].0 + 1 == lines[upper + 1].0;
     let mut names = data.checked_sub(1)?;
-    if are_units(&split(lines[names].1, delimiter)) {
+    let units = split(lines[names].1, delimiter);
+    // Names may be those of units: with one that is none, the names stand right above.
+    let is_named = |above: usize| is_names(&lines[above]) && adjoins(above);
+    if are_units(&units)
+        && (unknown_unit(&units).is_none() || names.checked_sub(1).is_some_and(is_named))
+    {
         names = names.checked_sub(1)?;
     }
-    let adjoins = |upper: usize| lines[upper].0 + 1 == lines[upper + 1].0;
     let above = names.checked_sub(1)?;
-    if !is_head(&lines[names]) || (is_head(&lines[above]) && adjoins(above)) {
+    if !is_names(&lines[names]) || (is_head(&lines[above]) && adjoins(above)) {
         return None;
     }
     Some((lines[0].0, lines[above].0))
@@ -182,16 +265,28 @@ fn blanked(text: &str, lines: usize) -> String {
 }
 
 /// Whether a row below the names is one of units: none is a number but for the unit "1", and one is
-/// a unit that is known or stands in brackets.
+/// a unit that is known or stands in brackets. Of the others some may be unknown.
 fn are_units(cells: &[String]) -> bool {
-    let is_unit = |cell: &String| {
-        let bare = unbracketed(cell);
-        bare.is_some() || UserUnit::parse(cell).is_ok()
-    };
-    let is_none = |cell: &String| cell.is_empty() || cell == "-";
-    let is_number = |cell: &String| !is_none(cell) && number(cell, true).is_some();
-    cells.iter().all(|cell| is_unit(cell) || is_none(cell))
+    let is_unit = |cell: &String| unbracketed(cell).is_some() || UserUnit::parse(cell).is_ok();
+    let is_number = |cell: &String| !has_no_unit(cell) && number(cell, true).is_some();
+    cells.iter().all(|cell| is_unit(cell) || !is_number(cell))
         && cells.iter().any(|cell| is_unit(cell) && !is_number(cell))
+}
+
+/// Whether a cell of a row of units says that its column has none.
+fn has_no_unit(cell: &str) -> bool {
+    cell.is_empty() || cell == "-"
+}
+
+/// The first cell of a row of units that is none, unless it stands in brackets: who writes these
+/// says that it is a unit, though one that is of no use here.
+fn unknown_unit(cells: &[String]) -> Option<(usize, UnitError)> {
+    let unknown = |(at, cell): (usize, &String)| {
+        let is_said = has_no_unit(cell) || unbracketed(cell).is_some();
+        let error = UserUnit::parse(cell).err().filter(|_| !is_said)?;
+        Some((at, error))
+    };
+    cells.iter().enumerate().find_map(unknown)
 }
 
 /// What stands in the brackets that a cell consists of.
@@ -252,14 +347,21 @@ fn names(first: &CellRow, header: bool) -> Result<Vec<String>, Reason> {
 
 fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     match cell {
-        "" | "NA" | "na" | "N/A" | "null" => Some(f64::NAN),
+        "" | "NA" | "na" | "N/A" | "n/a" | "#N/A" | "#NV" | "null" => Some(f64::NAN),
         // As Python writes them.
         "True" | "true" => Some(1.0),
         "False" | "false" => Some(0.0),
-        other => {
-            truecut_files::number(other, decimal_comma).or_else(|| stamp(other, decimal_comma))
-        }
+        other => match truecut_files::number(other, decimal_comma) {
+            Some(value) => (!is_overflow(other, value)).then_some(value),
+            None => stamp(other, decimal_comma),
+        },
     }
+}
+
+/// Whether a cell has the digits of a number that is too large to be held. As infinity, which some
+/// programs write by a word, it would be missing, and nobody would be told.
+fn is_overflow(cell: &str, value: f64) -> bool {
+    value.is_infinite() && cell.contains(|letter: char| letter.is_ascii_digit())
 }
 
 /// Whether a cell is a date with a time of day: what it is read as is in seconds.
