@@ -30,6 +30,7 @@ mod spread;
 mod sweep;
 mod text;
 mod view;
+mod waiting;
 
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;

@@ -1,7 +1,7 @@
 //! Outputs of measured data that stand at an end of what they read, as those of a sensor at the end
 //! of its range do.
 
-use truecut_recording::measured::{ChannelMapping, Column, Role, Table, Tables, facts};
+use truecut_recording::measured::{ChannelMapping, Role, Tables, column_facts};
 use truecut_recording::{Unit, short_number};
 
 /// Least part of a column's rows that is told.
@@ -29,15 +29,7 @@ pub(crate) fn notes(tables: &Tables, channels: &[ChannelMapping]) -> Vec<String>
 }
 
 fn note(channel: &str, column: &str, values: &[f64]) -> Option<String> {
-    let alone = Table {
-        columns: vec![Column {
-            name: column.to_owned(),
-            values: values.to_vec(),
-        }],
-        ..Table::default()
-    };
-    let found = facts(&alone);
-    let found = found.columns.first()?;
+    let found = column_facts(column, values, None);
     let [low, high] = found.range?;
     let [at_low, at_high] = found.at_ends;
     let next = |side: f64, end: f64| {
@@ -78,7 +70,7 @@ fn note(channel: &str, column: &str, values: &[f64]) -> Option<String> {
 mod tests {
     use super::*;
     use truecut_recording::UserUnit;
-    use truecut_recording::measured::Term;
+    use truecut_recording::measured::{Column, Table, Term};
 
     fn told(unit: &str, saturation: Option<[f64; 2]>, reading: &dyn Fn(f64) -> f64) -> Vec<String> {
         let values = (0..2000).map(|k| reading(800.0 * (0.013 * f64::from(k)).sin()));

@@ -16,10 +16,10 @@ use truecut_sim::run::{Claims, Run};
 use truecut_sim::{Robots, estimates};
 
 use crate::args::CompareArguments;
-use crate::diagnose::waiting::told;
 use crate::failure::Failure;
 use crate::page::{self, MOST_POINTS, Page, REPORT};
 use crate::progress::{PatientBar, Progress};
+use crate::waiting::told;
 
 use crate::exit_status::ExitStatus;
 

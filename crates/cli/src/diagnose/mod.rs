@@ -6,7 +6,6 @@ mod files;
 mod report;
 mod text;
 mod viewer;
-pub mod waiting;
 
 use std::borrow::Cow;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -22,12 +21,12 @@ use truecut_files::watched;
 use truecut_recording::{Measured, short_number};
 use truecut_scenario::Scenario;
 
-use self::waiting::told;
 use crate::args::DiagnoseArguments;
 use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::progress::PatientBar;
 use crate::signals::Signals;
+use crate::waiting::told;
 
 const BAR: &str = "{msg:32} {wide_bar} {pos} runs  {elapsed}";
 

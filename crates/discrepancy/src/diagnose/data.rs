@@ -2,10 +2,12 @@
 
 use std::ops::Range;
 
+use nalgebra::{DMatrix, DVector};
 use truecut_recording::filter::Butterworth;
 
 use super::DiagnoseError;
 use super::floor::NoiseSample;
+use super::noise::add_column;
 use crate::model::Columns;
 use crate::stats::deviation;
 
@@ -25,12 +27,35 @@ pub struct Output {
     /// Standard deviation of the noise if it has no memory, from differences in time; 0 if they
     /// were not taken.
     pub noise_without_memory: f64,
-    /// Step between readings that hold still from one sample to the next, before any filter: what
-    /// rounding leaves of them comes again with the motion. 0 where noise moves them.
+    /// Step of readings, as far as what rounding leaves of them goes through the filter and comes
+    /// again with the motion. 0 where noise moves them on, or they come in no steps.
     pub held_step: f64,
     /// Standard deviation of what the noise of measured inputs makes of the prediction; 0 where it
     /// is not known or there are none.
     pub noise_of_inputs: f64,
+}
+
+impl Output {
+    /// A prediction with as much of some laws as fits the output best.
+    pub(crate) fn fitted(&self, predicted: &[f64], laws: &[Vec<f64>]) -> Vec<f64> {
+        let rows: Vec<usize> = (0..predicted.len().min(self.values.len()))
+            .filter(|row| self.valid[*row])
+            .collect();
+        let mut with = predicted.to_vec();
+        if laws.is_empty() || rows.is_empty() {
+            return with;
+        }
+        let matrix = DMatrix::from_fn(rows.len(), laws.len(), |i, law| laws[law][rows[i]]);
+        let left = rows.iter().map(|&row| self.values[row] - predicted[row]);
+        let left = DVector::from_iterator(rows.len(), left);
+        let Ok(sizes) = matrix.svd(true, true).solve(&left, 1e-9) else {
+            return with;
+        };
+        for (law, size) in laws.iter().zip(sizes.iter()) {
+            add_column(&mut with, law, *size);
+        }
+        with
+    }
 }
 
 /// A known signal that a residual may depend on: a measured input, a spindle angle.

@@ -117,13 +117,10 @@ pub(super) struct Beyond {
 impl Floor {
     /// Of an output whose own motion has this deviation; `None` if nothing is known.
     pub fn of(output: &Output, own_motion: f64) -> Option<Floor> {
-        let rows = output.values.iter().zip(&output.valid);
-        let kept: Vec<f64> = rows.filter(|(_, valid)| **valid).map(|(y, _)| *y).collect();
-        let quantum = quantum(&kept);
-        let rounding = quantum.max(output.held_step) / 12_f64.sqrt();
+        let rounding = output.held_step / 12_f64.sqrt();
         let numerical = NUMERICAL * own_motion;
         if let Some(noise) = output.noise {
-            let noise = noise.max(output.held_step / 12_f64.sqrt());
+            let noise = noise.max(rounding);
             let noise = noise.hypot(output.noise_of_inputs);
             return Some(Floor {
                 source: NoiseSource::Stated,
@@ -296,21 +293,6 @@ fn memory(stretches: &[Vec<f64>]) -> f64 {
     };
     let lags = (longest / 2).min(count / 5).min(200);
     1.0 + 2.0 * (1..lags).map(|lag| at(lag).powi(2)).sum::<f64>()
-}
-
-/// Smallest step between readings, if they come in steps: most repeat one that was there before.
-fn quantum(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let largest = sorted.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let steps: Vec<f64> = (sorted.windows(2).map(|pair| pair[1] - pair[0]))
-        .filter(|step| *step > 1e-12 * largest)
-        .collect();
-    match 2 * steps.len() < sorted.len() {
-        true => steps.iter().copied().fold(f64::INFINITY, f64::min),
-        false => 0.0,
-    }
-    .min(largest)
 }
 
 /// By how much residuals are larger than noise of the sizes that are known can be, as minus twice a

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use truecut_sim::InverseModel;
 
@@ -88,7 +88,7 @@ pub(super) fn of_drive_forces(
             if opposite == Some(channel) {
                 column.iter_mut().for_each(|force| *force = -*force);
             }
-            with_friction(&other, channel, every, data, column)
+            with_friction(&other, channel, every, data, &column)
         });
         Some(SetUp {
             told,
@@ -149,29 +149,12 @@ fn with_friction(
     channel: usize,
     every: usize,
     data: &Observation,
-    predicted: Vec<f64>,
+    predicted: &[f64],
 ) -> Vec<f64> {
-    let output = &data.outputs[channel];
     let velocity = model.velocity(model.joints()[channel]);
     let signs: Vec<f64> = velocity.iter().map(|v| v.signum()).collect();
     let viscous = picked(&model.filtered(velocity), every);
     let dry = picked(&model.filtered(&signs), every);
-    let laws = |row: usize| [viscous[row], dry[row], 1.0];
-    let rows: Vec<usize> = (0..predicted.len().min(output.values.len()))
-        .filter(|row| output.valid[*row])
-        .collect();
-    let matrix = DMatrix::from_fn(rows.len(), 3, |i, k| laws(rows[i])[k]);
-    let left = DVector::from_fn(rows.len(), |i, _| {
-        output.values[rows[i]] - predicted[rows[i]]
-    });
-    let found = matrix.svd(true, true).solve(&left, 1e-9);
-    let sizes = found.map_or([0.0; 3], |found| [found[0], found[1], found[2]]);
-    let with = predicted.iter().enumerate().map(|(row, force)| {
-        let friction = laws(row)
-            .into_iter()
-            .zip(&sizes)
-            .map(|(law, size)| law * size);
-        force + friction.sum::<f64>()
-    });
-    with.collect()
+    let constant = vec![1.0; predicted.len()];
+    data.outputs[channel].fitted(predicted, &[viscous, dry, constant])
 }

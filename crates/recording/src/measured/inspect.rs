@@ -165,7 +165,8 @@ fn deviation(values: &[f64]) -> f64 {
     (squares.sum::<f64>() / values.len() as f64).sqrt()
 }
 
-fn column_facts(name: &str, values: &[f64], unit: Option<&String>) -> ColumnFacts {
+/// What a column holds.
+pub fn column_facts(name: &str, values: &[f64], unit: Option<&String>) -> ColumnFacts {
     let finite = values.iter().copied().filter(|value| value.is_finite());
     let (mut low, mut high, mut numbers) = (f64::INFINITY, f64::NEG_INFINITY, 0);
     for value in finite {

@@ -24,7 +24,7 @@ pub use clocks::{HEADER_STAMP, LOG_TIME};
 pub use columns::{LARGEST, measured, measured_of};
 pub use combination::{Term, formula};
 pub use error::DataError;
-pub use inspect::{ColumnFacts, Gap, TableFacts, TimeFacts, facts};
+pub use inspect::{ColumnFacts, Gap, TableFacts, TimeFacts, column_facts, facts};
 pub use spikes::{SPIKE, replace_spikes};
 pub use table::{Column, Table, Tables};
 

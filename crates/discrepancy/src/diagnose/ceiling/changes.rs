@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use truecut_recording::significant;
 
 use super::Target;
-use super::onset::{Step, best_moment, best_window};
+use super::onset::{Step, Sums};
 use crate::diagnose::answer::target_name;
 use crate::diagnose::features::{Group, Onset};
 use crate::diagnose::noise::{dot, explained};
@@ -45,11 +45,14 @@ impl Target<'_> {
             let law = self.law(signature);
             let courses = match traces.is_empty() {
                 true => [None, None, None],
-                false => [
-                    self.at_once(&law, &traces, &samples),
-                    self.for_a_while(&law, &traces, &samples),
-                    self.steadily(&law, &traces),
-                ],
+                false => {
+                    let course = Course::new(self, &law, &traces, &samples);
+                    [
+                        course.at_once(),
+                        course.for_a_while(),
+                        self.steadily(&law, &traces),
+                    ]
+                }
             };
             let n = self.rows.len() as f64;
             let weighed = courses.into_iter().flatten().map(|group| {
@@ -146,70 +149,6 @@ impl Target<'_> {
         all.filter(|&t| self.valid[t]).collect()
     }
 
-    fn at_once(&self, law: &str, traces: &[&Vec<f64>], samples: &[usize]) -> Option<Group> {
-        let at = |x: &[f64]| -> Vec<f64> { samples.iter().map(|&t| x[t]).collect() };
-        let picked: Vec<Vec<f64>> = traces.iter().map(|trace| at(trace)).collect();
-        let left = at(self.residual);
-        let count = samples.len();
-        let edge = |part: usize| count * part / PARTS;
-        let coarse: Vec<usize> = (0..=PARTS).map(edge).collect();
-        let inner = LEAST_PARTS..PARTS - LEAST_PARTS + 1;
-        let part = best_moment(&picked, &left, &coarse, inner)?;
-        let (from, to) = (coarse[part - 1], coarse[part + 1]);
-        let mut fine = vec![0];
-        fine.extend((0..=PARTS).map(|i| from + (to - from) * i / PARTS));
-        fine.push(count);
-        fine.dedup();
-        let inner = 1..fine.len() - 1;
-        let row = samples[fine[best_moment(&picked, &left, &fine, inner)?]];
-        let onset = Onset {
-            from_s: Some(self.problem.data.time_s[row]),
-            until_s: None,
-        };
-        let features = parted(traces, |t| if t >= row { 1.0 } else { 0.0 });
-        Some(Group {
-            chosen: 1,
-            law: law.to_owned(),
-            changes: Some(onset),
-            ..Group::of_time(at_about(law, onset), features.collect())
-        })
-    }
-
-    /// Another between two moments than before and after them: a brake that drags for a while, a
-    /// blow, a part that is held and put down.
-    fn for_a_while(&self, law: &str, traces: &[&Vec<f64>], samples: &[usize]) -> Option<Group> {
-        let at = |x: &[f64]| -> Vec<f64> { samples.iter().map(|&t| x[t]).collect() };
-        let picked: Vec<Vec<f64>> = traces.iter().map(|trace| at(trace)).collect();
-        let left = at(self.residual);
-        let count = samples.len();
-        let coarse: Vec<usize> = (0..=PARTS).map(|part| count * part / PARTS).collect();
-        let [from, until] = best_window(&picked, &left, &coarse)?;
-        let about = |part: usize| {
-            let (from, to) = (coarse[part - 1], coarse[part + 1]);
-            (0..=PARTS).map(move |i| from + (to - from) * i / PARTS)
-        };
-        let mut fine: Vec<usize> = about(from).chain(about(until)).chain([0, count]).collect();
-        fine.sort_unstable();
-        fine.dedup();
-        let [from, until] = best_window(&picked, &left, &fine)?.map(|edge| samples[fine[edge]]);
-        let time_s = &self.problem.data.time_s;
-        if time_s[until] - time_s[from] < SHORTEST_S || until - from < FEWEST {
-            return None;
-        }
-        let onset = Onset {
-            from_s: Some(time_s[from]),
-            until_s: Some(time_s[until]),
-        };
-        let inside = |t: usize| if (from..until).contains(&t) { 1.0 } else { 0.0 };
-        let features = parted(traces, inside);
-        Some(Group {
-            chosen: 2,
-            law: law.to_owned(),
-            changes: Some(onset),
-            ..Group::of_time(at_about(law, onset), features.collect())
-        })
-    }
-
     fn steadily(&self, law: &str, traces: &[&Vec<f64>]) -> Option<Group> {
         let (first, last) = (*self.rows.first()?, *self.rows.last()?);
         let time = &self.problem.data.time_s;
@@ -228,6 +167,107 @@ impl Target<'_> {
                 features.collect(),
             )
         })
+    }
+}
+
+/// The traces of a law in a channel, at all samples measured, and moments between which it may
+/// change.
+struct Course<'a> {
+    target: &'a Target<'a>,
+    law: &'a str,
+    traces: &'a [&'a Vec<f64>],
+    samples: &'a [usize],
+    /// Traces and what is left, at the samples.
+    picked: Vec<Vec<f64>>,
+    left: Vec<f64>,
+    /// Parts of the samples.
+    edges: Vec<usize>,
+    sums: Option<Sums>,
+}
+
+impl<'a> Course<'a> {
+    fn new(
+        target: &'a Target<'a>,
+        law: &'a str,
+        traces: &'a [&'a Vec<f64>],
+        samples: &'a [usize],
+    ) -> Course<'a> {
+        let at = |x: &[f64]| -> Vec<f64> { samples.iter().map(|&t| x[t]).collect() };
+        let picked: Vec<Vec<f64>> = traces.iter().map(|trace| at(trace)).collect();
+        let left = at(target.residual);
+        let edges: Vec<usize> = (0..=PARTS)
+            .map(|part| samples.len() * part / PARTS)
+            .collect();
+        Course {
+            sums: Sums::new(&picked, &left, &edges),
+            target,
+            law,
+            traces,
+            samples,
+            picked,
+            left,
+            edges,
+        }
+    }
+
+    /// Edges about these, so many for each, with the ends; and the sums between them.
+    fn finer(&self, parts: &[usize]) -> Option<(Vec<usize>, Sums)> {
+        let about = parts.iter().flat_map(|&part| {
+            let (from, to) = (self.edges[part - 1], self.edges[part + 1]);
+            (0..=PARTS).map(move |i| from + (to - from) * i / PARTS)
+        });
+        let mut fine: Vec<usize> = about.chain([0, self.samples.len()]).collect();
+        fine.sort_unstable();
+        fine.dedup();
+        let sums = Sums::new(&self.picked, &self.left, &fine)?;
+        Some((fine, sums))
+    }
+
+    fn group(&self, onset: Onset, passed: impl Fn(usize) -> bool + Copy) -> Group {
+        let part = move |t| f64::from(u8::from(passed(t)));
+        Group {
+            chosen: onset.moments_s().count(),
+            law: self.law.to_owned(),
+            changes: Some(onset),
+            ..Group::of_time(
+                at_about(self.law, onset),
+                parted(self.traces, part).collect(),
+            )
+        }
+    }
+
+    fn time_s(&self, row: usize) -> f64 {
+        self.target.problem.data.time_s[row]
+    }
+
+    /// Another from a moment on.
+    fn at_once(&self) -> Option<Group> {
+        let inner = LEAST_PARTS..PARTS - LEAST_PARTS + 1;
+        let part = self.sums.as_ref()?.best_moment(inner)?;
+        let (fine, sums) = self.finer(&[part])?;
+        let row = self.samples[fine[sums.best_moment(1..fine.len() - 1)?]];
+        let onset = Onset {
+            from_s: Some(self.time_s(row)),
+            until_s: None,
+        };
+        Some(self.group(onset, |t| t >= row))
+    }
+
+    /// Another between two moments than before and after them: a brake that drags for a while, a
+    /// blow, a part that is held and put down.
+    fn for_a_while(&self) -> Option<Group> {
+        let parts = self.sums.as_ref()?.best_window()?;
+        let (fine, sums) = self.finer(&parts)?;
+        let [from, until] = sums.best_window()?.map(|edge| self.samples[fine[edge]]);
+        let [from_s, until_s] = [from, until].map(|row| self.time_s(row));
+        if until_s - from_s < SHORTEST_S || until - from < FEWEST {
+            return None;
+        }
+        let onset = Onset {
+            from_s: Some(from_s),
+            until_s: Some(until_s),
+        };
+        Some(self.group(onset, |t| (from..until).contains(&t)))
     }
 }
 

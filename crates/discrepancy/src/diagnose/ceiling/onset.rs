@@ -49,71 +49,61 @@ impl Step {
     }
 }
 
-/// The edge, of the `inner` ones, at which a change of all sizes explains most: columns fitted
-/// before and after it. None where no change explains anything.
-pub(super) fn best_moment(
-    columns: &[Vec<f64>],
-    target: &[f64],
-    edges: &[usize],
-    inner: std::ops::Range<usize>,
-) -> Option<usize> {
-    let parts: Vec<Moments> = (edges.windows(2))
-        .map(|pair| {
-            let own: Vec<Vec<f64>> = (columns.iter())
-                .map(|column| column[pair[0]..pair[1]].to_vec())
-                .collect();
-            Moments::new(&target[pair[0]..pair[1]], &own)
-        })
-        .collect();
-    let mut whole = parts.first()?.clone();
-    for part in &parts[1..] {
-        whole = whole.plus(part);
-    }
-    let mut before = parts[0].clone();
-    let mut best: Option<(f64, usize)> = None;
-    for (edge, part) in parts.iter().enumerate().skip(1) {
-        if inner.contains(&edge) {
-            let gain = before.explained() + whole.minus(&before).explained();
-            if best.is_none_or(|(most, _)| gain > most) {
-                best = Some((gain, edge));
-            }
-        }
-        before = before.plus(part);
-    }
-    best.map(|(_, edge)| edge)
-}
-
 /// Rounds in which one edge of a stretch is looked for beside the other.
 const ROUNDS: usize = 3;
 
-/// The two edges, neither of them the first or the last, between which columns of other sizes than
-/// outside explain most: from the edge at which a single change does, one edge after the other.
-/// None where there are not enough edges.
-pub(super) fn best_window(
-    columns: &[Vec<f64>],
-    target: &[f64],
-    edges: &[usize],
-) -> Option<[usize; 2]> {
-    let last = edges.len().checked_sub(2).filter(|last| *last >= 2)?;
-    let mut held = best_moment(columns, target, edges, 1..last + 1)?;
-    let until: Vec<Moments> = (edges.iter())
-        .map(|edge| {
-            let own: Vec<Vec<f64>> = columns.iter().map(|x| x[..*edge].to_vec()).collect();
-            Moments::new(&target[..*edge], &own)
-        })
-        .collect();
-    let whole = until.last()?;
-    let gain = |a: usize, b: usize| {
-        let inside = until[a.max(b)].minus(&until[a.min(b)]);
-        inside.explained() + whole.minus(&inside).explained()
-    };
-    let mut moved = held;
-    for _ in 0..ROUNDS {
-        let others = (1..=last).filter(|edge| *edge != held);
-        let best = others.max_by(|a, b| gain(held, *a).total_cmp(&gain(held, *b)))?;
-        (held, moved) = (best, held);
+/// What columns explain of a target, up to each of some edges, the first and the last of which are
+/// the ends.
+pub(super) struct Sums {
+    until: Vec<Moments>,
+}
+
+impl Sums {
+    /// `None` where there is nothing between the ends.
+    pub fn new(columns: &[Vec<f64>], target: &[f64], edges: &[usize]) -> Option<Sums> {
+        let of = |from: usize, to: usize| {
+            let own: Vec<Vec<f64>> = columns.iter().map(|x| x[from..to].to_vec()).collect();
+            Moments::new(&target[from..to], &own)
+        };
+        let first = *edges.first()?;
+        let mut until = vec![of(first, first)];
+        for pair in edges.windows(2) {
+            until.push(until[until.len() - 1].plus(&of(pair[0], pair[1])));
+        }
+        (until.len() > 1).then_some(Sums { until })
     }
-    Some([held.min(moved), held.max(moved)])
+
+    /// What sizes of their own between two edges and outside explain.
+    fn gain(&self, from: usize, to: usize) -> f64 {
+        let inside = self.until[to].minus(&self.until[from]);
+        let whole = &self.until[self.until.len() - 1];
+        inside.explained() + whole.minus(&inside).explained()
+    }
+
+    /// The edge, of the `inner` ones, at which a change of all sizes explains most. None if there
+    /// are none.
+    pub fn best_moment(&self, inner: std::ops::Range<usize>) -> Option<usize> {
+        let gains = inner.map(|edge| (self.gain(0, edge), edge));
+        // Of equals the first.
+        let best = gains.reduce(|best, one| if one.0 > best.0 { one } else { best });
+        best.map(|(_, edge)| edge)
+    }
+
+    /// The two edges, neither of them an end, between which other sizes than outside explain most:
+    /// from the edge at which a single change does, one edge after the other. None where there are
+    /// not enough edges.
+    pub fn best_window(&self) -> Option<[usize; 2]> {
+        let inner = 1..self.until.len() - 1;
+        let mut held = self.best_moment(inner.clone())?;
+        let mut moved = held;
+        for _ in 0..ROUNDS {
+            let others = inner.clone().filter(|edge| *edge != held);
+            let gain = |edge: usize| self.gain(held.min(edge), held.max(edge));
+            let best = others.max_by(|a, b| gain(*a).total_cmp(&gain(*b)))?;
+            (held, moved) = (best, held);
+        }
+        Some([held.min(moved), held.max(moved)])
+    }
 }
 
 #[cfg(test)]
@@ -138,7 +128,8 @@ mod tests {
                 .collect();
             let column: Vec<f64> = (0..count).map(sign).collect();
             let edges: Vec<usize> = (0..=100).map(|part| 12 * part).collect();
-            let found = best_moment(&[column], &target, &edges, 1..100).unwrap();
+            let sums = Sums::new(&[column], &target, &edges).unwrap();
+            let found = sums.best_moment(1..100).unwrap();
             assert!(
                 edges[found].abs_diff(moment) <= 12,
                 "seed {seed}: {} for {moment}",
@@ -165,7 +156,8 @@ mod tests {
                 .collect();
             let column: Vec<f64> = (0..count).map(sign).collect();
             let edges: Vec<usize> = (0..=100).map(|part| 12 * part).collect();
-            let found = best_window(&[column], &target, &edges).unwrap();
+            let found = Sums::new(&[column], &target, &edges);
+            let found = found.and_then(|sums| sums.best_window()).unwrap();
             for (edge, truth) in found.into_iter().zip([from, until]) {
                 let off = edges[edge].abs_diff(truth.min(count - 12));
                 assert!(off <= 12, "seed {seed}: {} for {truth}", edges[edge]);

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::testing::{Colour, noise};
+use crate::trial::noise::held_step;
 
 const COLOURS: [Colour; 4] = [
     Colour::White,
@@ -130,13 +131,14 @@ fn a_sensor_at_rest_has_the_noise_of_its_steps() {
     let values: Vec<f64> = (0..600)
         .map(|t| rounded((0.05 * t as f64).sin() * 0.1))
         .collect();
+    let valid = vec![true; 600];
     let output = Output {
+        held_step: held_step(&values, &valid, 1.0),
         values,
-        valid: vec![true; 600],
+        valid,
         noise: None,
         sample: NoiseSample::of(NoiseSource::Standstill, vec![vec![0.0; 100]], 40),
         noise_without_memory: 0.0,
-        held_step: 0.0,
         noise_of_inputs: 0.0,
         noise_error: 0.0,
     };

@@ -1,7 +1,5 @@
 //! Columns of two outputs that are each other's.
 
-use nalgebra::{DMatrix, DVector};
-
 use crate::diagnose::Observation;
 use crate::diagnose::doubts::correlation;
 use crate::model::{Columns, Model, SetUp};
@@ -29,8 +27,9 @@ pub(super) fn set_ups(model: &dyn Model, data: &Observation) -> Vec<SetUp> {
     let laws: Vec<Columns> = (channels.iter())
         .map(|spec| friction(data, &spec.name))
         .collect();
-    let shown =
-        |column: usize, channel: usize| fitted(data, column, &simulated[channel], &laws[channel]);
+    let shown = |column: usize, channel: usize| {
+        data.outputs[column].fitted(&simulated[channel], &laws[channel])
+    };
     let own: Columns = (0..channels.len()).map(|one| shown(one, one)).collect();
     let swapped = pairs.into_iter().map(|(a, b)| {
         let mut predicted = own.clone();
@@ -65,30 +64,6 @@ fn friction(data: &Observation, channel: &str) -> Columns {
     };
     let signs = rate.values.iter().map(|rate| rate.signum()).collect();
     vec![rate.values.clone(), signs, vec![1.0; rate.values.len()]]
-}
-
-/// A prediction for an output with as much of the laws as fits it best.
-fn fitted(data: &Observation, column: usize, predicted: &[f64], laws: &[Vec<f64>]) -> Vec<f64> {
-    let output = &data.outputs[column];
-    let rows: Vec<usize> = (0..predicted.len().min(output.values.len()))
-        .filter(|row| output.valid[*row])
-        .collect();
-    let mut with = predicted.to_vec();
-    if laws.is_empty() || rows.is_empty() {
-        return with;
-    }
-    let matrix = DMatrix::from_fn(rows.len(), laws.len(), |i, law| laws[law][rows[i]]);
-    let left = rows.iter().map(|&row| output.values[row] - predicted[row]);
-    let left = DVector::from_iterator(rows.len(), left);
-    let Ok(sizes) = matrix.svd(true, true).solve(&left, 1e-9) else {
-        return with;
-    };
-    for (law, size) in laws.iter().zip(sizes.iter()) {
-        with.iter_mut()
-            .zip(law)
-            .for_each(|(x, law)| *x += size * law);
-    }
-    with
 }
 
 #[cfg(test)]
