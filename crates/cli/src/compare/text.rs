@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use truecut_discrepancy::compare::{
-    Alignment, ChannelComparison, Comparison, Dependence, Kind, LEVEL, Level, LineKind,
+    Alignment, ChannelComparison, Comparison, Dependence, Event, Kind, LEVEL, Level, LineKind,
     SpectralLine,
 };
 use truecut_recording::{Unit, short_number, significant};
@@ -129,11 +129,8 @@ fn findings(channel: &ChannelComparison) -> Vec<String> {
         line.per_revolution.is_some() || line.residual > 0.05 * channel.level.rms_error
     };
     let (listed, rest): (Vec<_>, Vec<_>) = channel.lines.iter().partition(matters);
-    let mut found: Vec<String> = listed
-        .iter()
-        .take(MOST)
-        .map(|one| line(channel.unit, one))
-        .collect();
+    let mut found: Vec<String> = channel.event.iter().map(event).collect();
+    found.extend((listed.iter().take(MOST)).map(|one| line(channel.unit, one)));
     let more: Vec<f64> = listed
         .iter()
         .skip(MOST)
@@ -169,6 +166,17 @@ fn findings(channel: &ChannelComparison) -> Vec<String> {
     }
     found.extend(channel.alignment.as_ref().and_then(alignment));
     found
+}
+
+fn event(found: &Event) -> String {
+    format!(
+        "{} % of its square lies between {} and {}, {} % of the record ({})",
+        significant(100.0 * found.stretch.share, 2),
+        text::seconds(found.from_s),
+        text::seconds(found.until_s),
+        significant(100.0 * found.stretch.part, 2),
+        chance(found.stretch.p_value)
+    )
 }
 
 /// What delay and gain explain, or that they do not describe the difference.

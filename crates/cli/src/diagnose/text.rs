@@ -221,6 +221,10 @@ pub fn unexplained(diagnosis: &Diagnosis) -> String {
     });
     let ratios = known.map(|(name, errors)| (errors.after / errors.noise_floor, name));
     let told = match ratios.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        // The channel that changes has no noise that is known, and most is left of that.
+        Some((ratio, _)) if ratio < SURELY && !diagnosis.changes.is_empty() => {
+            format!("{share} of the discrepancy beyond noise, in what changes over time")
+        }
         Some((ratio, name)) => {
             let share = match percent {
                 0.0 if ratio > SURELY => "nothing that is surely",

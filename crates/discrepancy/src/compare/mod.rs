@@ -48,6 +48,7 @@ mod level;
 mod lines;
 mod recordings;
 mod series;
+mod stretch;
 mod suspicion;
 mod whiteness;
 
@@ -60,6 +61,7 @@ pub use level::{Level, level};
 pub use lines::{LineKind, Spectra, SpectralLine, lines};
 pub use recordings::{Comparison, along, compare_recordings};
 pub use series::{Estimate, Explanatory, Kind, Pair};
+pub use stretch::{Stretch, stretch};
 pub use suspicion::{UnitSuspicion, unit_suspicion};
 pub use whiteness::{Whiteness, whiteness};
 
@@ -106,9 +108,23 @@ pub struct ChannelComparison {
     pub inputs: Vec<InputCorrelation>,
     /// The residual's colour; none if there is no residual.
     pub whiteness: Option<Whiteness>,
+    /// When the residual is there, if for a while only.
+    pub event: Option<Event>,
     /// Spectra, for figures.
     #[serde(skip)]
     pub spectra: Option<Spectra>,
+}
+
+/// A residual that is there for a while only.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Event {
+    /// When it begins and ends, s from the first sample on.
+    pub from_s: f64,
+    /// See [`Event::from_s`].
+    pub until_s: f64,
+    /// Part of the residual's square that lies between, of the record, and by chance.
+    #[serde(flatten)]
+    pub stretch: Stretch,
 }
 
 /// Compares one channel.
@@ -140,6 +156,7 @@ pub fn compare_channel(
         dependence: Vec::new(),
         inputs: Vec::new(),
         whiteness: None,
+        event: event(&residual, pair.valid, setting),
         spectra,
     };
     if let Some(background) = &background {
@@ -148,6 +165,21 @@ pub fn compare_channel(
         comparison.inputs = inputs(&residual, pair, setting);
     }
     Ok(comparison)
+}
+
+/// What is there for a while, beyond chance.
+fn event(residual: &[f64], valid: &[bool], setting: &Setting<'_>) -> Option<Event> {
+    let found = stretch(residual, valid).filter(|found| found.p_value < LEVEL)?;
+    let time = (setting.explanatory.iter()).find(|one| one.kind == Kind::Time);
+    let at = |row: usize| match time {
+        Some(time) => time.values[row],
+        None => row as f64 * setting.interval_s,
+    };
+    Some(Event {
+        from_s: at(found.from),
+        until_s: at(found.until - 1),
+        stretch: found,
+    })
 }
 
 fn check(pair: &Pair<'_>) -> Result<(), CompareError> {
