@@ -36,7 +36,7 @@ pub(crate) struct DataTable {
     /// Column of the times; of an MCAP file "header_stamp" or "log_time". Either this or rate_hz is
     /// needed.
     time: Option<String>,
-    /// Unit of the times. Default: that which the file gives its column, else "s".
+    /// Unit of the times. Default: that which the file or the column's name gives, else "s".
     time_unit: Option<String>,
     /// Rate of the rows, if there is no column of times.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use truecut_scenario::effect::Effect;
 
-use crate::diagnose::{Cause, Ceiling, ChannelErrors, Evidence, SmallestSeen, UnknownCurve, Work};
+use crate::diagnose::{
+    Cause, Ceiling, Change, ChannelErrors, Evidence, SmallestSeen, UnknownCurve, Work,
+};
 use crate::model::Columns;
 
 /// Version of the layout.
@@ -72,6 +74,28 @@ pub struct Rival {
     pub criterion_difference: f64,
 }
 
+/// One of the two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Recording {
+    /// The earlier.
+    First,
+    /// The later.
+    Second,
+    /// Either: their difference does not show which.
+    OneOfBoth,
+}
+
+/// Something that sets in within a recording, and may stop again.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// The recording.
+    pub recording: Recording,
+    /// Where and when, in seconds of that recording; of either, in seconds of the first.
+    #[serde(flatten)]
+    pub change: Change,
+}
+
 /// How the two were compared.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Compared {
@@ -103,6 +127,9 @@ pub struct Changes {
     pub reason: String,
     /// What changed, the strongest first.
     pub changes: Vec<Changed>,
+    /// What happens within one recording, and is no change from the one to the other.
+    #[serde(default)]
+    pub events: Vec<Event>,
     /// Equally good explanations; empty for verdicts other than `ambiguous`.
     pub alternatives: Vec<Rival>,
     /// The next best explanation, if any was fitted.

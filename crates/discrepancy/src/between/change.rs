@@ -169,7 +169,7 @@ impl Model for Change<'_> {
     fn parameters(&self, candidate: &Candidate) -> Vec<ParameterInfo> {
         let held = &self.pair.second.scenario().effects;
         bounds(
-            candidate,
+            self.pair.second.parameters(candidate),
             twin(&self.shared, held, candidate.kind, &candidate.target),
         )
     }

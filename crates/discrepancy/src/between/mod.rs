@@ -9,6 +9,7 @@
 
 mod answer;
 mod change;
+mod events;
 mod join;
 mod motion;
 mod revised;
@@ -31,7 +32,9 @@ use crate::diagnose::{DiagnoseError, Observation};
 use crate::model::Model;
 use crate::spikes::bridged;
 use crate::trial::Trial;
-pub use answer::{Answer, Changed, ChangedParameter, Changes, Compared, Rival, Verdict};
+pub use answer::{
+    Answer, Changed, ChangedParameter, Changes, Compared, Event, Recording, Rival, Verdict,
+};
 pub use motion::Motion;
 pub use search::changes;
 pub use work::SEARCHES;

@@ -9,7 +9,7 @@ use super::change::{Change, Of};
 use super::revised::{Now, after_another_motion, doubted, no_more_than_of_one};
 use super::told::{shared_causes, told};
 use super::work::Work;
-use super::{Between, BetweenError, join, shared};
+use super::{Between, BetweenError, events, join, shared};
 use crate::diagnose::{
     self, DiagnoseError, Options, Progress, check_units, clock_or_unit, set_up_doubt,
 };
@@ -58,7 +58,10 @@ pub fn changes(
         .collect();
     if !doubts.is_empty() {
         doubted(&doubts.join(" "), &mut answer);
+        // What happens in a set-up that is not the machine's need not happen in it.
+        answer.changes.events.clear();
     }
+    events::tell(&mut answer.changes);
     let found = &mut answer.changes;
     found.work.predictions = work.made;
     found.work.seconds = begun.elapsed().as_secs_f64();
@@ -124,6 +127,8 @@ fn searched(
     let predicted = pair.second.predict(&both[1], &after)?;
     let set_up_of_second = set_up_doubt(&pair.second, &pair.second.observation, &predicted);
     changes.shared = shared_causes(pair, &known, [&before, &after], &shared, &now.numbers);
+    let of_both = [&found.diagnosis, &of_first.diagnosis];
+    changes.events = events::events(pair, of_both, &both, &before);
     let [nominal, _] = both;
     let answer = Answer {
         changes,

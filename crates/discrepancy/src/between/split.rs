@@ -2,7 +2,6 @@
 
 use truecut_scenario::effect::{Effect, EffectKind, ParameterInfo, Target};
 
-use crate::model::Candidate;
 use crate::trial::curves::rubs;
 
 /// The effect of this kind and target that both recordings have, if any: one that was found, or of
@@ -16,12 +15,11 @@ pub(super) fn twin<'a>(
     (shared.iter().chain(held)).find(|one| one.kind == kind && one.target == *target)
 }
 
-/// The bounds of a change. A size that is never below its neutral value may fall, too: then it was
-/// there before.
-pub(super) fn bounds(candidate: &Candidate, twin: Option<&Effect>) -> Vec<ParameterInfo> {
-    let infos = candidate.kind.parameters().iter().enumerate();
-    let widened = infos.map(|(i, info)| {
-        let mut info = *info;
+/// The bounds of a change, of those of an effect. A size that is never below its neutral value may
+/// fall, too: then it was there before.
+pub(super) fn bounds(infos: Vec<ParameterInfo>, twin: Option<&Effect>) -> Vec<ParameterInfo> {
+    let infos = infos.into_iter().enumerate();
+    let widened = infos.map(|(i, mut info)| {
         if info.is_size {
             let offset = twin.map_or(0.0, |one| one.values[i] - info.neutral);
             let room = info.max - info.neutral;

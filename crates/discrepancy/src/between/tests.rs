@@ -30,6 +30,8 @@ struct Made<'a> {
     effects: &'a [Effect],
     /// Beyond that, on the first drive, by the first joint's angle.
     law: fn(f64) -> f64,
+    /// When a brake drags on the first joint, s.
+    drags_s: [f64; 2],
 }
 
 const PLAIN: Made = Made {
@@ -39,6 +41,7 @@ const PLAIN: Made = Made {
     speed: 1.0,
     effects: &[],
     law: |_| 0.0,
+    drags_s: [0.0; 2],
 };
 
 /// The arm, its drive forces compared up to a frequency.
@@ -102,6 +105,11 @@ fn recorded(made: &Made) -> Measured {
         if j == 0 {
             let angles = &measured.channels[0].values;
             (values.iter_mut().zip(angles)).for_each(|(x, q)| *x += size * (made.law)(*q));
+            let [from, until] = made.drags_s.map(|time_s| (time_s * RATE_HZ) as usize);
+            let ways = angles.windows(2).map(|pair| (pair[1] - pair[0]).signum());
+            for (x, way) in values.iter_mut().zip(ways).take(until).skip(from) {
+                *x += 0.15 * size * way;
+            }
         }
         let drawn = noise(Colour::White, SAMPLES, 10 * made.seed + j as u64);
         (values.iter_mut().zip(drawn)).for_each(|(x, n)| *x += 0.01 * size * n);
@@ -334,4 +342,49 @@ fn effects_that_the_scenario_holds_are_looked_for_in_the_same_way() {
     };
     assert_eq!(is_in(&model.late(), &delay), 1);
     assert_eq!(is_in(&model.additive(), &friction(0.0)), 1);
+}
+
+/// A brake that drags for a while in one of two recordings of a motion is told with the recording
+/// and the time, before whatever is named beside it.
+#[test]
+fn what_happens_within_a_recording_is_told_as_that() {
+    let drags_s = [3.0, 5.5];
+    for (recording, seed) in [(Recording::First, 11), (Recording::Second, 21)] {
+        let drags_in = |own: Recording| match own == recording {
+            true => drags_s,
+            false => [0.0; 2],
+        };
+        let pair = pair_of(
+            &scenario(10.0),
+            &Made {
+                seed,
+                drags_s: drags_in(Recording::First),
+                ..PLAIN
+            },
+            &Made {
+                name: "second.csv",
+                seed: seed + 1,
+                drags_s: drags_in(Recording::Second),
+                ..PLAIN
+            },
+        );
+        let found = asked(&pair).changes;
+        let told = format!("{:?} {} {:?}", found.verdict, found.reason, found.events);
+        assert_ne!(found.verdict, Verdict::NothingChanged, "{told}");
+        let near = |moment: Option<f64>, truth: f64| {
+            moment.is_some_and(|moment| (moment - truth).abs() < 0.3)
+        };
+        let is_it = |one: &Event| {
+            one.recording == recording
+                && one.change.channel == "joint1.drive_torque"
+                && near(one.change.from_s, drags_s[0])
+                && near(one.change.until_s, drags_s[1])
+        };
+        assert!(found.events.iter().any(is_it), "{told}");
+        let place = match recording {
+            Recording::First => "Within the first recording",
+            _ => "Within the second recording",
+        };
+        assert!(found.reason.starts_with(place), "{told}");
+    }
 }

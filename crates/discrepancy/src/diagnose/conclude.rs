@@ -7,6 +7,7 @@ mod incidental;
 mod test_part;
 mod unnamed;
 
+pub(crate) use changing::courses;
 pub(crate) use test_part::breaks_away_from;
 
 use rayon::prelude::*;

@@ -3,21 +3,25 @@
 //!
 //! Curves are no candidates of the search: with many numbers each imitates much. They are asked
 //! when the search has ended, beside the causes found and in place of those on the same joint, and
-//! must be more likely by odds of 400 to 1 with all their values integrated out, better on blocks
-//! that they were not fitted to, and better on the last part of the data if they act there.
+//! must be more likely by odds of 400 to 1 with all their values integrated out, and borne out by
+//! what they were not fitted to: blocks that choose, and the last part of the data. What acts at an
+//! end of the travel alone, as an elastic stop does, may be met in one of the two and not in the
+//! other, which then says nothing of it.
+
+mod borne_out;
 
 use nalgebra::DVector;
 use rayon::prelude::*;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
+use self::borne_out::borne_out;
 use super::DiagnoseError;
 use super::ambiguity::OVERWHELMING;
 use super::answer::{UnknownCurve, key_and_unit, target_name};
 use super::choice::criterion;
-use super::derivatives::difference;
 use super::fit::{Fit, Running, fit};
 use super::memory::stands_out;
-use super::noise::{Noise, dot};
+use super::noise::Noise;
 use super::problem::{Found, PLACES, Point, Problem};
 use super::search::{Outcome, settled};
 use super::uncertainty::covariance;
@@ -33,9 +37,6 @@ const SKETCHED_IN: usize = 3;
 const BENDS_MUCH: f64 = 1e-5;
 /// Frictions from which fits start, in typical sizes.
 const LEVELS: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
-/// Whitened squares of what a curve changes in the last part of the data, from which on that part
-/// can speak for it or against it.
-const LEAST_ACTS: f64 = 9.0;
 /// Places at which a curve is told.
 const TOLD_AT: usize = 61;
 /// Normal quantile of a two-sided 95 % interval.
@@ -66,28 +67,22 @@ pub(super) fn shown(
         .filter(|&one| problem.infos(one).len() == PLACES[0])
         .filter(|&one| !is_named || joints.contains(&&problem.candidates[one].target))
         .collect();
-    for (trial, orders) in earning(problem, outcome, promising(problem, outcome, wanted)) {
-        let mut ended = fit(
-            problem,
-            trial.point,
-            &problem.split.development,
-            &orders,
-            true,
-        )?;
+    let rows = &problem.split.development;
+    for earned in earning(problem, outcome, promising(problem, outcome, wanted)) {
+        let orders = earned.orders;
+        let mut ended = fit(problem, earned.fit.point, rows, &orders, true)?;
         let Ok(predicted) = problem.predict_whole(&ended.point) else {
             continue;
         };
         ended.residual = problem.data.residual(&predicted);
         ended.predicted = predicted;
-        let (rows, noise) = (&problem.split.test, &ended.noise);
-        let test = compare(&last.residual, &ended.residual, noise, rows);
         let share = share(problem, [base, last, &ended]);
         let matters = !is_named || share > problem.options.unknown_above;
-        let change = ended
-            .noise
-            .whiten(&difference(&last.residual, &ended.residual, 1.0), rows);
-        let acts = dot(&change, &change) > LEAST_ACTS;
-        if matters && (!acts || test.gain > 0.0) {
+        if !matters {
+            continue;
+        }
+        let on_test = borne_out(problem, &last.residual, &ended, [rows, &problem.split.test])?;
+        if on_test.unwrap_or(earned.is_borne_out) {
             let gain = criterion(problem, chosen, &orders) - criterion(problem, &ended, &orders);
             let curve = told(problem, &ended, gain)?;
             return Ok(Some(Shown { fit: ended, curve }));
@@ -180,9 +175,49 @@ fn started(problem: &Problem, point: Point, candidate: usize, orders: &[usize]) 
         .map(|(_, point)| point)
 }
 
+/// A curve that earns its place.
+struct Earned {
+    /// To the blocks for fitting.
+    fit: Fit,
+    orders: Vec<usize>,
+    /// How much likelier it makes the data, all its values integrated out, in minus twice the
+    /// logarithm.
+    gain: f64,
+    /// Whether blocks that choose bear it out; else they say nothing of it.
+    is_borne_out: bool,
+}
+
+/// A fit with a curve, if that earns its place beside or instead of the causes `chosen`.
+fn earned(problem: &Problem, chosen: &Fit, (fit, orders): (Fit, Vec<usize>)) -> Option<Earned> {
+    let split = &problem.split;
+    let gain = criterion(problem, chosen, &orders) - criterion(problem, &fit, &orders);
+    // A short record passes other places in the blocks that choose than in those that were fitted,
+    // where a curve is what its neighbours are: how much it matters is a matter of both.
+    let on_both = compare(
+        &chosen.residual,
+        &fit.residual,
+        &fit.noise,
+        &split.development,
+    );
+    let is_likely = gain > OVERWHELMING
+        && on_both.practical >= problem.options.min_gain
+        && stands_out(problem, gain, &chosen.residual, &fit.residual);
+    if !is_likely {
+        return None;
+    }
+    let parts = [&split.train, &split.validation];
+    let on_validation = borne_out(problem, &chosen.residual, &fit, parts).ok()?;
+    (on_validation != Some(false)).then(|| Earned {
+        is_borne_out: on_validation == Some(true),
+        fit,
+        orders,
+        gain,
+    })
+}
+
 /// Fits of these curves beside the causes, and in place of those on the same joint: those that earn
-/// their place, with the orders of their noise, likeliest first.
-fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<Found>) -> Vec<(Fit, Vec<usize>)> {
+/// their place, likeliest first.
+fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<Found>) -> Vec<Earned> {
     let chosen = &outcome.chosen;
     let starts: Vec<Point> = (wanted.into_iter())
         .flat_map(|curve| {
@@ -195,33 +230,18 @@ fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<Found>) -> Vec<(Fit
         .flatten()
         .collect();
     let train = &problem.split.train;
-    let gain = |(trial, orders): &(Fit, Vec<usize>)| {
-        criterion(problem, chosen, orders) - criterion(problem, trial, orders)
-    };
     let fitted = |start: Point| {
         let first = fit(problem, start, train, &outcome.orders, false).ok()?;
-        settled(problem, first).ok()
+        earned(problem, chosen, settled(problem, first).ok()?)
     };
-    let fits: Vec<(Fit, Vec<usize>)> = starts.into_par_iter().filter_map(fitted).collect();
-    let earns = |one: &(Fit, Vec<usize>)| {
-        let trial = &one.0;
-        let on = |rows| compare(&chosen.residual, &trial.residual, &trial.noise, rows);
-        // A short record passes other places in the blocks that choose than in those that were
-        // fitted, where a curve is what its neighbours are: they must not speak against it.
-        gain(one) > OVERWHELMING
-            && on(&problem.split.validation).gain > 0.0
-            && on(&problem.split.development).practical >= problem.options.min_gain
-            && stands_out(problem, gain(one), &chosen.residual, &trial.residual)
-    };
-    let mut found: Vec<(Fit, Vec<usize>)> = fits.into_iter().filter(earns).collect();
-    found.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    let mut found: Vec<Earned> = starts.into_par_iter().filter_map(fitted).collect();
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     // Twice as many values where the likeliest has too few.
-    let best = found.first();
-    let finer = best.and_then(|(fit, _)| fitted(finer(problem, &fit.point)?));
-    if let (Some(finer), Some(best)) = (finer, best)
-        && gain(&finer) > gain(best) + OVERWHELMING
-        && earns(&finer)
-    {
+    let finer = found.first().and_then(|best| {
+        let finer = fitted(finer(problem, &best.fit.point)?)?;
+        (finer.gain > best.gain + OVERWHELMING).then_some(finer)
+    });
+    if let Some(finer) = finer {
         found.insert(0, finer);
     }
     found

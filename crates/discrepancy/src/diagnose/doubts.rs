@@ -4,7 +4,7 @@ use super::answer::{Cause, key_and_unit, target_name};
 use super::data::Output;
 use super::fit::Fit;
 use super::noise::{add_columns, dot};
-use super::problem::Problem;
+use super::problem::{Found, Problem};
 use crate::model::Columns;
 use crate::stats::{centred, deviation, ratio};
 use truecut_scenario::effect::{EffectKind, ParameterInfo};
@@ -15,12 +15,46 @@ fn is_at_end(info: &ParameterInfo, value: f64) -> bool {
     (value == info.min || value == info.max) && value != info.neutral && value != 0.0
 }
 
+/// A rotor of which less than this part is left is none of a machine.
+const LEAST_ROTOR: f64 = 0.1;
+
+/// What is left of a rotor, as a part of it, where that is next to nothing: `of_kind` is bounded by
+/// none, `info` by the rotor of the robot's file.
+fn rotor_left(of_kind: &ParameterInfo, info: &ParameterInfo, value: f64) -> Option<f64> {
+    let is_known = info.min > of_kind.min && info.min < info.neutral;
+    let left = (value - info.min) / (info.neutral - info.min);
+    (is_known && left < LEAST_ROTOR).then_some(left)
+}
+
+/// That next to nothing would be left of a rotor: no cause, as it stands.
+fn is_no_rotor(problem: &Problem, found: &Found) -> Option<String> {
+    let kind = problem.candidates[found.candidate].kind;
+    if kind != EffectKind::JointRotor {
+        return None;
+    }
+    let of_kind = kind.parameters().first()?;
+    let (info, value) = (
+        problem.infos(found.candidate).first()?,
+        found.values.first()?,
+    );
+    let left = rotor_left(of_kind, info, *value)?;
+    Some(format!(
+        "{} would leave {} % of the rotor of the robot's file, and no machine has so light a one",
+        name(problem, found.candidate),
+        truecut_recording::short_number(100.0 * left)
+    ))
+}
+
 /// Two causes cancel if together they change less than this part of what each does.
 const CANCELLING: f64 = 0.25;
 
-/// The first size of an effect that lies at an end of its range, which is no size that was found.
+/// The first size of an effect that lies at an end of its range, which is no size that was found,
+/// or next to one that no machine has.
 pub(super) fn at_bound(problem: &Problem, fit: &Fit) -> Option<String> {
     fit.point.effects.iter().find_map(|effect| {
+        if let Some(told) = is_no_rotor(problem, effect) {
+            return Some(told);
+        }
         let infos = problem.infos(effect.candidate);
         let mut sizes = infos.iter().zip(&effect.values).enumerate();
         let (i, (_, value)) =
@@ -40,12 +74,18 @@ pub(super) fn doubts(problem: &Problem, fit: &Fit) -> Vec<String> {
     let (mut parts, mut found) = (Vec::new(), Vec::new());
     for effect in &fit.point.effects {
         let infos = problem.infos(effect.candidate);
+        let no_rotor = is_no_rotor(problem, effect);
+        found.extend(no_rotor.iter().map(|told| {
+            format!(
+                "{told}: a coordinate or a drive force on a wrong scale takes away as much where the joint accelerates"
+            )
+        }));
         let mut change: Columns = fit.residual.iter().map(|x| vec![0.0; x.len()]).collect();
         for (i, (info, value)) in infos.iter().zip(&effect.values).enumerate() {
             if let Some(column) = fit.jacobian.get(position + i).filter(|_| info.is_size) {
                 add_columns(&mut change, column, value - info.neutral);
             }
-            if is_at_end(info, *value) {
+            if no_rotor.is_none() && is_at_end(info, *value) {
                 let (key, unit) = key_and_unit(problem, effect.candidate, i);
                 found.push(format!(
                     "`{key}` of {} lies at the end of its range, {} {unit}: another cause may be behind it",
@@ -213,6 +253,23 @@ mod tests {
             // Passed on in a ring: which column it is is known, but no two are swapped.
             let shown = found(0, &simulated, [1, 2, 0], seed).expect("a column");
             assert_eq!((shown.other, shown.is_swapped), (2, false), "{shown:?}");
+        }
+    }
+
+    /// A rotor that is all but gone is none; one that is a third of the file's may be, and so may
+    /// any of which the file gives nothing.
+    #[test]
+    fn a_rotor_that_is_all_but_gone_is_doubted() {
+        let of_kind = EffectKind::JointRotor.parameters()[0];
+        let bounded = |least: f64| ParameterInfo {
+            min: least,
+            ..of_kind
+        };
+        let left = |least: f64, value: f64| rotor_left(&of_kind, &bounded(least), value);
+        assert_eq!(left(-4.0, -4.0), Some(0.0));
+        assert!(left(-4.0, -3.9).is_some_and(|left| (left - 0.025).abs() < 1e-12));
+        for (least, value) in [(-4.0, -2.7), (-4.0, 0.3), (0.0, 0.0), (of_kind.min, -1e6)] {
+            assert_eq!(left(least, value), None, "{least} {value}");
         }
     }
 

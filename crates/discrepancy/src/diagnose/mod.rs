@@ -68,7 +68,7 @@ pub use answer::{
     FitRecord, Nominal, Parameter, Proposal, SmallestSeen, UnknownCurve, Verdict, Work,
 };
 pub(crate) use budget::Part;
-pub(crate) use conclude::breaks_away_from;
+pub(crate) use conclude::{breaks_away_from, courses};
 pub use data::{Fine, MIN_SAMPLES, Observation, Output, Regressor};
 pub use floor::{NoiseSample, NoiseSource};
 pub(crate) use refit::{Refit, likelihood, refitted};

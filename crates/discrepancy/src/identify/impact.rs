@@ -6,8 +6,7 @@
 
 use nalgebra::Complex;
 use truecut_recording::fft;
-use truecut_recording::measured::Table;
-use truecut_recording::measured::TimeBase;
+use truecut_recording::measured::{Table, TimeBase, time_note, unit_of_times};
 use truecut_recording::{short_number, significant};
 use truecut_scenario::identification::ImpactSpec;
 
@@ -32,7 +31,8 @@ struct HammerSignals {
 /// The FRF of all blows in a table.
 ///
 /// # Errors
-/// HammerSignals that are not uniform or hold gaps, no blow, windows too short for the band.
+/// Signals that are not uniform or hold gaps, times in an unknown unit or in another than is said,
+/// no blow, windows too short for the band.
 pub fn impact(
     table: &Table,
     spec: &ImpactSpec,
@@ -49,10 +49,11 @@ pub fn impact(
     if band_hz[1] > 0.5 * signals.rate_hz {
         let message = format!(
             "the band ends at {} Hz, but must end at or below {} Hz, half of the {} samples a second: \
-             they show nothing above half their rate",
+             they show nothing above half their rate{}",
             band_hz[1],
             short_number(0.5 * signals.rate_hz),
-            short_number(signals.rate_hz)
+            short_number(signals.rate_hz),
+            assumed_unit(table, spec)
         );
         return fail("modes.band_hz".to_owned(), &message);
     }
@@ -98,6 +99,7 @@ pub fn impact(
             significant(signals.rate_hz / length as f64, 3)
         ),
     );
+    notes.extend(time_note(table, &spec.times, spec.is_time_unit_said));
     found.notes = notes;
     found.check(band_hz, key)?;
     Ok(found)
@@ -121,23 +123,9 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<HammerSignals,
     let rate_hz = match &spec.times {
         TimeBase::Rate { hz } => *hz,
         TimeBase::Column { column: name, unit } => {
-            let times = read(name, unit.si_factor, "time")?;
-            let steps = (times.len().max(2) - 1) as f64;
-            let span = times.last().zip(times.first()).map_or(0.0, |(b, a)| b - a);
-            let interval = span / steps;
-            let uneven = times
-                .windows(2)
-                .position(|pair| (pair[1] - pair[0] - interval).abs() > JITTER * interval);
-            if let Some(row) = uneven.or((span <= 0.0).then_some(0)) {
-                let message = format!(
-                    "the next sample follows after {} s, but the mean interval is {} s; a spectrum \
-                     needs equal intervals",
-                    significant(times.get(row + 1).map_or(0.0, |next| next - times[row]), 6),
-                    significant(interval, 6)
-                );
-                return Err(at_row(table, row, format!("{key}.time"), message));
-            }
-            1.0 / interval
+            let unit = unit_of_times(table, name, unit, spec.is_time_unit_said)
+                .map_err(|error| IdentifyError::new(unit_key(spec, key), error))?;
+            even_rate_hz(table, &read(name, unit.si_factor, "time")?, key)?
         }
     };
     Ok(HammerSignals {
@@ -145,6 +133,55 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<HammerSignals,
         force,
         response,
     })
+}
+
+/// The key that is at fault where the unit of the times is.
+fn unit_key(spec: &ImpactSpec, key: &str) -> String {
+    match spec.is_time_unit_said {
+        true => format!("{key}.time_unit"),
+        false => format!("{key}.time"),
+    }
+}
+
+/// What a message about the rate adds where nothing says the unit of the times.
+fn assumed_unit(table: &Table, spec: &ImpactSpec) -> String {
+    let TimeBase::Column { column, unit } = &spec.times else {
+        return String::new();
+    };
+    if spec.is_time_unit_said || table.units.contains_key(column) {
+        return String::new();
+    }
+    let taken = unit_of_times(table, column, unit, false);
+    taken.map_or_else(
+        |_| String::new(),
+        |unit| {
+            format!(
+                "; the times in \"{column}\" are taken for {}, since neither the file nor `time_unit` gives \
+                 their unit",
+                unit.symbol
+            )
+        },
+    )
+}
+
+/// Rate of samples at `times`, s, which are evenly apart.
+fn even_rate_hz(table: &Table, times: &[f64], key: &str) -> Result<f64, IdentifyError> {
+    let steps = (times.len().max(2) - 1) as f64;
+    let span = times.last().zip(times.first()).map_or(0.0, |(b, a)| b - a);
+    let interval = span / steps;
+    let uneven = times
+        .windows(2)
+        .position(|pair| (pair[1] - pair[0] - interval).abs() > JITTER * interval);
+    if let Some(row) = uneven.or((span <= 0.0).then_some(0)) {
+        let message = format!(
+            "the next sample follows after {} s, but the mean interval is {} s; a spectrum needs \
+             equal intervals",
+            significant(times.get(row + 1).map_or(0.0, |next| next - times[row]), 6),
+            significant(interval, 6)
+        );
+        return Err(at_row(table, row, format!("{key}.time"), message));
+    }
+    Ok(1.0 / interval)
 }
 
 /// Samples at which blows begin: the force rises through the trigger after a time below it.

@@ -4,12 +4,14 @@
 //! prediction in rapier. Scenarios that replay measured motion backwards (mode "inverse") integrate
 //! nothing and need neither.
 
+mod bounds;
 pub(crate) mod cache;
 mod candidates;
 mod clock;
 pub(crate) mod curves;
 mod experiments;
 mod jumps;
+mod length;
 pub(crate) mod noise;
 mod observation;
 pub(crate) mod parallel;
@@ -26,7 +28,7 @@ mod zeros;
 
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
-use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_scenario::effect::{Effect, EffectKind, ParameterInfo, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::found_start;
@@ -35,6 +37,7 @@ use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel, estimates
 
 use self::cache::{Cache, RunKey};
 use self::jumps::Jumps;
+use self::length::check_length;
 pub use self::parallel::{Thinning, for_comparison};
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, CurveCandidate, Experiment, Model, PredictError, SetUp};
@@ -90,28 +93,6 @@ const FINEST: f64 = 4.0;
 const FINEST_OF_DATA: f64 = 75.0;
 /// A mode of the tool is looked for up to this part of the rate of the samples.
 const FASTEST_MODE: f64 = 0.4;
-
-/// Most steps of one run: a diagnosis makes thousands of runs.
-const MOST_STEPS: f64 = 1e6;
-
-/// Refuses data so long that no diagnosis would end.
-fn check_length(scenario: &Scenario, measured: &Measured, robots: &Robots) -> Result<(), SimError> {
-    let ProcessSpec::Replay(replay) = &scenario.process else {
-        return Ok(());
-    };
-    let duration_s = measured.duration_s() / replay.speed_factor;
-    let duration_s = duration_s.min(scenario.run.duration_s);
-    let steps = duration_s / reduced(scenario, measured, robots).time_step_s()?;
-    if steps <= MOST_STEPS {
-        return Ok(());
-    }
-    let message = format!(
-        "the data take {duration_s:.1} s, and one run of them {steps:.2e} steps; a diagnosis makes thousands of runs, of at most \
-         {MOST_STEPS:.0e} steps each: if their times are milliseconds, say so, data.time_unit = \"ms\"; else thin the data \
-         with data.resample_hz, or use a part, from data.from_s to data.to_s"
-    );
-    Err(SimError::scenario("data", message))
-}
 
 /// A run with the reduced plant, whatever step it needs.
 fn reduced<'a>(scenario: &'a Scenario, measured: &'a Measured, robots: &'a Robots) -> run::Run<'a> {
@@ -319,6 +300,10 @@ impl Model for Trial {
 
     fn candidates(&self) -> Vec<Candidate> {
         self.candidates.clone()
+    }
+
+    fn parameters(&self, candidate: &Candidate) -> Vec<ParameterInfo> {
+        self.bounds(candidate)
     }
 
     fn curves(&self) -> Vec<CurveCandidate> {

@@ -152,6 +152,34 @@ fn no_candidate_is_refused_by_the_simulator() {
     }
 }
 
+/// From a rotor no more is taken than the robot's file gives: what is beyond cannot be simulated,
+/// and a search that does not know would end somewhere before it.
+#[test]
+fn no_more_than_its_rotor_is_taken_from_a_joint() {
+    let (scenario, measured) = swung([0.0, 0.0, -1.0], 1.0, &[]);
+    let trial = Trial::new(&scenario, &measured).unwrap_or_else(|e| panic!("{e}"));
+    let candidates = trial.candidates();
+    let rotors = candidates.iter();
+    let rotors = rotors.filter(|one| one.kind == EffectKind::JointRotor);
+    let least: Vec<f64> = rotors.map(|one| trial.parameters(one)[0].min).collect();
+    // As robot.toml has them.
+    assert_eq!(least, [-4.0, -1.5]);
+    for (joint, least) in least.into_iter().enumerate() {
+        let rotor = |inertia: f64| Effect {
+            kind: EffectKind::JointRotor,
+            target: Target::Joint(joint),
+            values: vec![inertia],
+        };
+        assert!(trial.predict(&[], &[rotor(least)]).is_ok());
+        assert!(trial.predict(&[], &[rotor(1.01 * least)]).is_err());
+    }
+    let others = candidates.iter();
+    let others = others.filter(|one| one.kind != EffectKind::JointRotor);
+    for other in others {
+        assert_eq!(trial.parameters(other), other.kind.parameters());
+    }
+}
+
 /// The arm of two joints that moves in a plane, in inverse dynamics: motions are differentiated up
 /// to one frequency, drive forces compared up to another.
 pub(crate) fn arm_of_two(differentiated_to_hz: f64, compared_to_hz: f64) -> Scenario {

@@ -4,7 +4,8 @@ use super::clocks;
 use super::combination::Columns;
 use super::outputs::{constant, left_out, read_twice, refuse_all_constant, without_spikes};
 use super::resample::{Base, Gaps, Series, median_interval_s, missing_rows, resample};
-use super::times::{said_unit, time_note};
+use super::time_unit::unit_of_times;
+use super::times::time_note;
 use super::{
     ChannelMapping, DataError, MIN_SAMPLES, Mapping, Measured, MeasuredChannel, Pass, Role, Table,
     Tables, TimeBase,
@@ -121,7 +122,8 @@ fn assemble(
     for one in used {
         notes.extend(one.table.notes.iter().cloned());
         notes.extend(missing_note(one, used.len()));
-        notes.extend(time_note(one.table, mapping));
+        let is_unit_said = mapping.is_time_unit_said;
+        notes.extend(time_note(one.table, &mapping.time, is_unit_said));
     }
     notes.extend(read_twice(mapping));
     let combined = mapping.channels.iter().filter(|one| one.is_combined());
@@ -259,9 +261,8 @@ fn times(table: &Table, mapping: &Mapping) -> Result<(Vec<usize>, Vec<f64>), Dat
     let all: Vec<f64> = match &mapping.time {
         TimeBase::Rate { hz } => (0..table.rows()).map(|row| row as f64 / hz).collect(),
         TimeBase::Column { column, unit } => {
-            let of_file = said_unit(table, mapping, column, unit)?;
-            let factor = of_file.map_or(unit.si_factor, |unit| unit.si_factor);
-            (table.column(column)?.iter().map(|t| t * factor)).collect()
+            let unit = unit_of_times(table, column, unit, mapping.is_time_unit_said)?;
+            (table.column(column)?.iter().map(|t| t * unit.si_factor)).collect()
         }
     };
     let fail = |row: usize, message: String| {

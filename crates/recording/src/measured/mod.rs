@@ -18,6 +18,7 @@ mod spikes;
 mod table;
 #[cfg(test)]
 mod tests;
+mod time_unit;
 mod times;
 
 pub use clocks::{HEADER_STAMP, LOG_TIME};
@@ -27,6 +28,8 @@ pub use error::DataError;
 pub use inspect::{ColumnFacts, Gap, TableFacts, TimeFacts, column_facts, facts};
 pub use spikes::{SPIKE, replace_spikes};
 pub use table::{Column, Table, Tables};
+pub use time_unit::unit_of_times;
+pub use times::time_note;
 
 use std::ops::Range;
 
@@ -90,8 +93,8 @@ pub struct ChannelMapping {
 pub struct Mapping {
     /// Where the times come from.
     pub time: TimeBase,
-    /// Whether the unit of a column of times is said: else that counts which the file gives, and
-    /// the one of [`Mapping::time`] where it gives none.
+    /// Whether the unit of a column of times is said: else that counts which the file or the
+    /// column's name gives, and the one of [`Mapping::time`] where they give none.
     pub is_time_unit_said: bool,
     /// Seconds of the result in one of the file.
     pub clock_rate: f64,

@@ -2,7 +2,8 @@
 
 use super::clocks::{HEADER_STAMP, LOG_TIME};
 use super::resample::median_interval_s;
-use super::{DataError, Mapping, Table, TimeBase};
+use super::time_unit::{named_unit, unit_of_times};
+use super::{Table, TimeBase};
 use crate::unit::{Unit, UserUnit, short_number};
 
 /// Names of columns of times, without what stands behind them.
@@ -97,10 +98,7 @@ fn time_unit(table: &Table, name: &str, values: &[f64]) -> (UserUnit, Option<&'s
     if let Some(unit) = written.filter(|unit| unit.unit == Unit::Second) {
         return (unit, None);
     }
-    let by_name = ["ns", "us", "ms", "s"].into_iter().find(|unit| {
-        let end = format!("_{unit}");
-        name.to_lowercase().ends_with(&end)
-    });
+    let by_name = named_unit(name);
     let largest = values.iter().copied().fold(0.0, f64::max);
     // Counted from 1970; nobody measures for 3000 years.
     let (by_size, why) = match largest {
@@ -159,57 +157,14 @@ pub(super) fn median_step_s(time_s: &[f64]) -> Option<f64> {
     (middle < steps.len()).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The unit that the file gives its times in `column`; `None` where it gives none. A column without
-/// a dimension is one of numbers that say nothing of it.
-///
-/// # Errors
-/// A unit of something else, and one that the mapping contradicts: times that are wrong by a factor
-/// show as anything but that.
-pub(super) fn said_unit(
-    table: &Table,
-    mapping: &Mapping,
-    column: &str,
-    unit: &UserUnit,
-) -> Result<Option<UserUnit>, DataError> {
-    let written = table.units.get(column);
-    let Some(found) = written.and_then(|text| UserUnit::parse(text).ok()) else {
-        return Ok(None);
-    };
-    if found.unit == Unit::One {
-        return Ok(None);
-    }
-    let message = if found.unit != Unit::Second {
-        let times: Vec<&str> = Unit::Second.accepted_symbols().collect();
-        let times = times.join(", ");
-        format!(
-            "the file gives its unit as \"{}\", but times have one of {times}; name the column of the times",
-            found.symbol
-        )
-    } else if mapping.is_time_unit_said && found.si_factor != unit.si_factor {
-        format!(
-            "the file gives its unit as \"{}\", but the scenario as \"{}\"; leave out `time_unit`, or mend the \
-             unit in the file",
-            found.symbol, unit.symbol
-        )
-    } else {
-        return Ok(Some(found));
-    };
-    Err(DataError::Channel {
-        source_name: table.source.clone(),
-        column: column.to_owned(),
-        channel: "the times".to_owned(),
-        message,
-    })
-}
-
 /// What is to be known of the times of a table: a unit that the file alone says, or a rate that it
 /// speaks against.
-pub(super) fn time_note(table: &Table, mapping: &Mapping) -> Option<String> {
-    match &mapping.time {
+pub fn time_note(table: &Table, time: &TimeBase, is_unit_said: bool) -> Option<String> {
+    match time {
         TimeBase::Rate { hz } => rate_note(table, *hz),
         TimeBase::Column { column, unit } => {
-            let found = said_unit(table, mapping, column, unit).ok()??;
-            (!mapping.is_time_unit_said && found.si_factor != unit.si_factor).then(|| {
+            let found = unit_of_times(table, column, unit, is_unit_said).ok()?;
+            (found.si_factor != unit.si_factor).then(|| {
                 format!(
                     "times are in {}, as the file says of `{column}`",
                     found.symbol
@@ -229,7 +184,7 @@ fn rate_note(table: &Table, hz: f64) -> Option<String> {
     }
     Some(format!(
         "rows are taken at rate_hz = {} Hz, but the file has times in the column `{name}`, and by these the rate is {} \
-         Hz: speeds and accelerations are {} times too large if those are right; take them with time = \"{name}\"",
+         Hz: speeds and frequencies are {} times too large if those are right; take them with time = \"{name}\"",
         short_number(hz),
         short_number(own_hz),
         short_number(hz / own_hz)
@@ -239,93 +194,7 @@ fn rate_note(table: &Table, hz: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measured::{ChannelMapping, Column, Measured, Role, measured};
-
-    fn mapping(time: TimeBase, is_time_unit_said: bool) -> Mapping {
-        Mapping {
-            time,
-            is_time_unit_said,
-            clock_rate: 1.0,
-            window_s: [f64::NEG_INFINITY, f64::INFINITY],
-            resample_hz: None,
-            max_gap_s: 0.05,
-            starts_s: Vec::new(),
-            bridge_spikes: true,
-            channels: Vec::new(),
-        }
-    }
-
-    /// A sine at 100 Hz whose times the file gives in `unit`, by the times in `said` or by none.
-    fn by_unit(unit: &str, said: Option<&str>) -> Result<Measured, DataError> {
-        let rows = 0..300;
-        let values: [Vec<f64>; 2] = [
-            rows.clone().map(|k| f64::from(k) * 10.0).collect(),
-            rows.map(|k| (0.1 * f64::from(k)).sin()).collect(),
-        ];
-        let columns = ["Zeit", "q"].into_iter().zip(values);
-        let table = Table {
-            source: "bench.csv".into(),
-            columns: columns
-                .map(|(name, values)| Column {
-                    name: name.into(),
-                    values,
-                })
-                .collect(),
-            units: [("Zeit".to_owned(), unit.to_owned())].into(),
-            lines: (2..302).collect(),
-            ..Table::default()
-        };
-        let time = TimeBase::Column {
-            column: "Zeit".into(),
-            unit: UserUnit::parse(said.unwrap_or("s")).unwrap(),
-        };
-        let channel = ChannelMapping {
-            terms: vec!["q".into()],
-            channel: "joint1.position".into(),
-            unit: UserUnit::from(Unit::Metre),
-            scale: 1.0,
-            offset: 0.0,
-            role: Role::Output,
-            noise: None,
-            saturation: None,
-        };
-        let mapping = Mapping {
-            channels: vec![channel],
-            ..mapping(time, said.is_some())
-        };
-        measured(&table, &mapping)
-    }
-
-    #[test]
-    fn the_unit_that_a_file_gives_its_times_is_taken() {
-        for said in [None, Some("ms")] {
-            let data = by_unit("ms", said).unwrap();
-            assert!((data.rate_hz() - 100.0).abs() < 1e-6, "{said:?}");
-            let noted = data
-                .notes
-                .iter()
-                .any(|note| note == "times are in ms, as the file says of `Zeit`");
-            assert_eq!(noted, said.is_none(), "{:?}", data.notes);
-        }
-        // Numbers that have no dimension say nothing, nor does a unit that is not known.
-        for unit in ["1", "ticks"] {
-            let data = by_unit(unit, Some("ms")).unwrap();
-            assert!((data.rate_hz() - 100.0).abs() < 1e-6, "{unit}");
-        }
-    }
-
-    #[test]
-    fn a_unit_of_times_that_the_file_contradicts_is_refused() {
-        let refusal = |unit: &str, said| by_unit(unit, said).unwrap_err().to_string();
-        let told = refusal("ms", Some("s"));
-        let both = "column \"Zeit\" (the times): the file gives its unit as \"ms\", but the scenario as \"s\"";
-        assert!(told.contains(both), "{told}");
-        let told = refusal("mm", None);
-        assert!(
-            told.contains("times have one of s, ms, us, ns, min"),
-            "{told}"
-        );
-    }
+    use crate::measured::Column;
 
     /// A rate that is twice that of the times beside it is told; the same, and one that is rounded,
     /// is not; nor is one that only a guess speaks against.
@@ -341,7 +210,7 @@ mod tests {
                 }],
                 ..Table::default()
             };
-            time_note(&table, &mapping(TimeBase::Rate { hz }, false))
+            time_note(&table, &TimeBase::Rate { hz }, false)
         };
         let note = told("t_s", 500.0).unwrap();
         for words in [

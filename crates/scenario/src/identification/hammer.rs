@@ -93,6 +93,9 @@ pub struct ImpactSpec {
     pub header: bool,
     /// Times of the rows.
     pub times: TimeBase,
+    /// Whether the unit of a column of times is said: else that counts which the file or the
+    /// column's name gives, and the one of [`ImpactSpec::times`] where they give none.
+    pub is_time_unit_said: bool,
     /// The hammer's force.
     pub force: Signal,
     /// The response.

@@ -96,7 +96,7 @@ struct ImpactTable {
     header: Option<bool>,
     /// Column of the times. Either this or rate_hz is needed.
     time: Option<String>,
-    /// Unit of the times. Default: "s".
+    /// Unit of the times. Default: that which the file or the column's name gives, else "s".
     time_unit: Option<String>,
     /// Rate of the rows, if there is no column of times.
     #[schemars(extend("exclusiveMinimum" = 0.0, "x-rule" = "time runs forward"))]
@@ -277,6 +277,7 @@ impl ImpactTable {
             file: folder.join(self.file),
             header: self.header.unwrap_or(true),
             times: times?,
+            is_time_unit_said: self.time_unit.is_some(),
             force: Signal {
                 column: self.force,
                 factor: force?.si_factor * force_scale,

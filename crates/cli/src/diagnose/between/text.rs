@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use truecut_discrepancy::between::{Answer, Between, Changed, ChangedParameter, Changes, Verdict};
+use truecut_discrepancy::between::{
+    Answer, Between, Changed, ChangedParameter, Changes, Recording, Verdict,
+};
 use truecut_recording::significant;
 
 use super::files::Written;
@@ -13,6 +15,25 @@ use crate::text::{self, Align};
 
 /// The verdict with what it is about: to be read first.
 pub fn headline(found: &Changes) -> String {
+    let verdict = verdict(found);
+    let Some(first) = found.events.first() else {
+        return verdict;
+    };
+    let is_one = (found.events.iter()).all(|one| one.recording == first.recording);
+    let place = match first.recording {
+        Recording::First if is_one => "THE FIRST RECORDING",
+        Recording::Second if is_one => "THE SECOND RECORDING",
+        Recording::OneOfBoth if is_one => "ONE OF THE RECORDINGS",
+        _ => "THE RECORDINGS",
+    };
+    match found.verdict == Verdict::UnknownChange && found.changes.is_empty() {
+        true => format!("SOMETHING HAPPENED WITHIN {place}"),
+        false => format!("SOMETHING HAPPENED WITHIN {place}; {verdict}"),
+    }
+}
+
+/// What is told of the change from one recording to the other.
+fn verdict(found: &Changes) -> String {
     let names: Vec<String> = found.changes.iter().map(name_of).collect();
     let names = names.join(" and ");
     match found.verdict {
@@ -219,4 +240,41 @@ pub fn notes(pair: &Between) -> Vec<String> {
         }
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use truecut_discrepancy::between::Event;
+    use truecut_discrepancy::diagnose::Change;
+
+    use super::*;
+
+    /// What happens within a recording is told before what is named beside it.
+    #[test]
+    fn what_happens_within_a_recording_stands_in_the_headline() {
+        let event = |recording| Event {
+            recording,
+            change: Change {
+                channel: "joint1.drive_torque".into(),
+                from_s: Some(4.0),
+                until_s: Some(6.0),
+                what: "joint_coulomb of joint1".into(),
+            },
+        };
+        let mut found = Changes {
+            verdict: Verdict::UnknownChange,
+            events: vec![event(Recording::Second)],
+            ..Changes::default()
+        };
+        let told = "SOMETHING HAPPENED WITHIN THE SECOND RECORDING";
+        assert_eq!(headline(&found), told);
+        found.verdict = Verdict::FitFailed;
+        assert_eq!(headline(&found), format!("{told}; THE FIT FAILED"));
+        found.verdict = Verdict::UnknownChange;
+        found.events.push(event(Recording::First));
+        assert_eq!(headline(&found), "SOMETHING HAPPENED WITHIN THE RECORDINGS");
+        found.events.clear();
+        let told = "SOMETHING CHANGED THAT NO CAUSE KNOWN EXPLAINS";
+        assert_eq!(headline(&found), told);
+    }
 }

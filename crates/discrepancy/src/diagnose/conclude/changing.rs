@@ -76,24 +76,29 @@ const MOST_TOLD: usize = 3;
 /// seen in several channels.
 const SAME_MOMENT: f64 = 0.03;
 
-/// The finding, before whatever else the reason says: what happens at one moment once, with all
-/// channels that show it, and of each channel one, with its moment if it has one.
+/// The finding, before whatever else the reason says.
 pub(super) fn tell(changes: Vec<Change>, diagnosis: &mut Diagnosis) {
     diagnosis.changes = changes;
     if diagnosis.changes.is_empty() || diagnosis.verdict == Verdict::FitFailed {
         return;
     }
-    let events = events(&diagnosis.changes);
+    diagnosis.reason = format!(
+        "Something changes over time: {}. {}",
+        courses(&diagnosis.changes),
+        diagnosis.reason
+    );
+}
+
+/// Changes in words: what happens at one moment once, with all channels that show it, and of each
+/// channel one, with its moment if it has one.
+pub(crate) fn courses(changes: &[Change]) -> String {
+    let events = events(changes);
     let others = match events.len().saturating_sub(MOST_TOLD) {
         0 => String::new(),
         count => format!("; and {count} more"),
     };
     let told = events.iter().take(MOST_TOLD).map(|event| course(event));
-    diagnosis.reason = format!(
-        "Something changes over time: {}{others}. {}",
-        told.collect::<Vec<_>>().join("; "),
-        diagnosis.reason
-    );
+    told.collect::<Vec<_>>().join("; ") + &others
 }
 
 /// Changes by their moment, those that have one first; a channel once.

@@ -60,7 +60,8 @@ pub(super) fn tell(problem: &Problem, last: &Fit, shown: &Shown, diagnosis: &mut
     let [without, with] = [last, &shown.fit].map(|fit| rms(&fit.residual, test));
     let gain = |c: &usize| ratio(without[*c], with[*c]);
     let most = (0..without.len()).max_by(|a, b| gain(a).total_cmp(&gain(b)));
-    let told = most.map(|c| {
+    // Where the law is not met it follows the noise a little.
+    let told = most.filter(|c| with[*c] < without[*c]).map(|c| {
         let spec = &problem.model.channels()[c];
         let number = |x: f64| truecut_recording::significant(x, 3);
         format!(
@@ -87,7 +88,10 @@ pub(super) fn tell(problem: &Problem, last: &Fit, shown: &Shown, diagnosis: &mut
             6.0.. => "more than 1e6 : 1".to_owned(),
             log10 => format!("{:.0} : 1", 10_f64.powf(log10)),
         },
-        told.unwrap_or_default()
+        told.unwrap_or_else(|| {
+            " The last part of the data does not show it; blocks before that it was not fitted to do."
+                .to_owned()
+        })
     );
     diagnosis.curve = Some(curve.clone());
 }

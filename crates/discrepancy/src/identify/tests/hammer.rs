@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 use truecut_recording::measured::{Column, Table, TimeBase};
+use truecut_recording::{Unit, UserUnit};
 use truecut_scenario::identification::{FrameId, HammerPoint, ImpactSpec, MotionKind, Signal};
 
 use super::normal;
@@ -215,6 +216,7 @@ fn hammer(window_s: f64, exponential_s: Option<f64>) -> ImpactSpec {
         file: "blows.csv".into(),
         header: true,
         times: TimeBase::Rate { hz: 400.0 },
+        is_time_unit_said: false,
         force: signal("f"),
         response: signal("x"),
         kind: MotionKind::Displacement,
@@ -278,4 +280,70 @@ fn double_blows_are_left_out_and_short_windows_are_noted() {
         "{:?}",
         found.notes
     );
+}
+
+/// Blows whose times stand in ms in a column that is called `name`, in a unit of the file's, if
+/// any.
+fn in_milliseconds(name: &str, of_file: Option<&str>) -> (Table, ImpactSpec) {
+    let mut table = blows(3, 3.0, 1e-4);
+    let rows = table.rows();
+    table.columns.push(Column {
+        name: name.into(),
+        values: (0..rows).map(|row| row as f64 * 2.5).collect(),
+    });
+    let unit = of_file.map(|unit| (name.to_owned(), unit.to_owned()));
+    table.units.extend(unit);
+    let spec = ImpactSpec {
+        times: TimeBase::Column {
+            column: name.into(),
+            unit: UserUnit::from(Unit::Second),
+        },
+        ..hammer(2.9, None)
+    };
+    (table, spec)
+}
+
+#[test]
+fn times_are_in_the_unit_that_the_file_gives_them() {
+    let (table, spec) = (blows(3, 3.0, 1e-4), hammer(2.9, None));
+    let expected = impact(&table, &spec, BAND, "modes.impact.0").unwrap();
+    for (name, of_file) in [("t", Some("ms")), ("t_ms", None)] {
+        let (table, spec) = in_milliseconds(name, of_file);
+        let found = impact(&table, &spec, BAND, "modes.impact.0").unwrap();
+        let pairs = found.frequency_hz.iter().zip(&expected.frequency_hz);
+        assert_eq!(found.frequency_hz.len(), expected.frequency_hz.len());
+        pairs.for_each(|(found, hz)| assert!((found - hz).abs() < 1e-9, "{found} for {hz}"));
+        let note = format!("times are in ms, as the file says of `{name}`");
+        assert!(found.notes.contains(&note), "{:?}", found.notes);
+    }
+}
+
+#[test]
+fn times_of_an_unknown_or_of_another_unit_are_refused() {
+    let refusal = |table: &Table, spec: &ImpactSpec| {
+        let error = impact(table, spec, BAND, "modes.impact.0").unwrap_err();
+        (error.key.clone(), error.to_string())
+    };
+    let (table, mut spec) = in_milliseconds("t", Some("ticks"));
+    let (key, told) = refusal(&table, &spec);
+    assert_eq!(key, "modes.impact.0.time");
+    let unknown = "blows.csv: column \"t\" (the times): the file gives its unit as \"ticks\", which is not known";
+    assert!(told.contains(unknown), "{told}");
+    // Who says the unit knows it, whatever the file calls it.
+    spec.is_time_unit_said = true;
+    spec.times = TimeBase::Column {
+        column: "t".into(),
+        unit: UserUnit::parse("ms").unwrap(),
+    };
+    assert!(impact(&table, &spec, BAND, "modes.impact.0").is_ok());
+    let (table, _) = in_milliseconds("t", Some("us"));
+    let (key, told) = refusal(&table, &spec);
+    assert_eq!(key, "modes.impact.0.time_unit");
+    assert!(told.contains("but `time_unit` is \"ms\""), "{told}");
+    // Nothing says it: seconds are assumed, and the message on what does not fit tells so.
+    let (table, spec) = in_milliseconds("t", None);
+    let (key, told) = refusal(&table, &spec);
+    assert_eq!(key, "modes.band_hz");
+    let assumed = "\"t\" are taken for s, since neither the file nor `time_unit` gives their unit";
+    assert!(told.contains(assumed), "{told}");
 }
