@@ -17,8 +17,8 @@ pub struct Stretch {
     pub share: f64,
     /// Part of the valid samples that it is.
     pub part: f64,
-    /// Probability that innovations of one size, those of the residual's autoregressive model,
-    /// differ so much inside and outside, counted over all stretches of that length.
+    /// Probability that innovations of one size, those of an autoregressive model of the residual
+    /// outside, differ so much inside and outside, counted over all stretches of that length.
     pub p_value: f64,
 }
 
@@ -33,9 +33,10 @@ pub fn stretch(residual: &[f64], valid: &[bool]) -> Option<Stretch> {
     let mut sorted: Vec<f64> = counted(residual, valid).collect();
     sorted.sort_by(f64::total_cmp);
     let median = *sorted.get(sorted.len() / 2)?;
-    let rows = residual.iter().zip(valid);
+    let centred: Vec<f64> = residual.iter().map(|x| x - median).collect();
+    let rows = centred.iter().zip(valid);
     let squares: Vec<f64> = rows
-        .map(|(x, valid)| if *valid { (x - median).powi(2) } else { 0.0 })
+        .map(|(x, valid)| if *valid { x * x } else { 0.0 })
         .collect();
     let whole: f64 = squares.iter().sum();
     let (from, until) = shortest(&squares, SHARE * whole)?;
@@ -44,8 +45,13 @@ pub fn stretch(residual: &[f64], valid: &[bool]) -> Option<Stretch> {
     if part > MOST {
         return None;
     }
-    let model = Ar::fit(residual, valid, default_order_cap(sorted.len()))?;
-    let (white, exists) = model.whiten(residual, valid);
+    // What is there inside would be followed as noise by a model of all rows.
+    let rows = valid.iter().enumerate();
+    let noise: Vec<bool> = rows
+        .map(|(row, valid)| *valid && !(from..until).contains(&row))
+        .collect();
+    let model = Ar::fit(&centred, &noise, default_order_cap(sorted.len()))?;
+    let (white, exists) = model.whiten(&centred, valid);
     let mean_square = |is_inside: bool| {
         let rows = white.iter().zip(&exists).enumerate();
         let own =
