@@ -285,3 +285,59 @@ fn what_is_left_aside_is_told_without_control_characters() {
         "{text:?}"
     );
 }
+
+/// A gantry is told at once that it follows no file, with slides that stand still or without.
+#[test]
+fn a_gantry_follows_no_file() {
+    let desk = Desk::new();
+    poses_before_the_arm(&desk);
+    let joint = |name: &str, kind: &str, parent: &str, child: &str, axis: &str| {
+        format!(
+            "<link name=\"{child}\"/><joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/>\
+             <child link=\"{child}\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"-2\" upper=\"2\" velocity=\"1\" effort=\"9\"/></joint>"
+        )
+    };
+    let joints = [
+        joint("x", "prismatic", "bed", "bridge", "1 0 0"),
+        joint("y", "prismatic", "bridge", "carriage", "0 1 0"),
+        joint("z", "prismatic", "carriage", "column", "0 0 1"),
+        joint("c", "revolute", "column", "head", "0 0 1"),
+    ];
+    let urdf = format!(
+        "<robot name=\"gantry\"><link name=\"bed\"/>{}</robot>",
+        joints.concat()
+    );
+    std::fs::write(desk.path("gantry.urdf"), urdf).unwrap();
+    for slides in [&[][..], &["--slide-mm", "0,0,0"]] {
+        let head = ["path", "poses.csv", "--robot", "gantry.urdf"];
+        let output = desk.truecut(&[&head[..], slides].concat());
+        assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
+        let message = told(&output);
+        for part in ["3 slides and 1 joints that turn", "at least 6", "a gantry"] {
+            assert!(message.contains(part), "{message}");
+        }
+    }
+}
+
+/// Comments of a German shop, as its CAM system writes them: Latin-1.
+#[test]
+fn a_comment_in_latin_1_is_passed_over() {
+    let desk = Desk::new();
+    let text = "G21 G90 (Tasche f\u{fc}r Geh\u{e4}use)\nG0 X0 Y0 Z20\nG1 X20 F600\nM30\n";
+    let latin: Vec<u8> = text.chars().map(|c| u8::try_from(c).unwrap()).collect();
+    std::fs::write(desk.path("umlaut.nc"), latin).unwrap();
+    let robot = hp20();
+    let place = ["--work-xyz-mm", "900,0,350"];
+    let output = desk.truecut(&[&["path", "umlaut.nc", "--robot", &robot][..], &place].concat());
+    assert!(output.status.success(), "{}", told(&output));
+    // A byte that no text has is told with its line.
+    std::fs::write(desk.path("damaged.nc"), b"G21 G90\nG0 X0 (\xe4 \x81)\n").unwrap();
+    let output = desk.truecut(&[&["path", "damaged.nc", "--robot", &robot][..], &place].concat());
+    assert_eq!(output.status.code(), Some(BAD_INPUT), "{}", told(&output));
+    assert!(
+        told(&output).contains("line 2: the byte 0x81"),
+        "{}",
+        told(&output)
+    );
+}

@@ -71,6 +71,31 @@ fn modes_of_the_tool_serve_in_a_milling_scenario() {
     assert!(!told.contains("gives no modes of theirs"), "{told}");
 }
 
+/// FRFs in µm/N that the file says are in m/N: frequencies and damping are as before.
+#[test]
+fn a_unit_of_frfs_that_makes_a_tool_softer_than_any_is_told() {
+    let desk = Desk::new();
+    let folder = repository().join("scenarios/identification");
+    let text = std::fs::read_to_string(folder.join("tool_tip.toml")).unwrap();
+    let assets = repository().join("assets");
+    let text = text.replace("../../assets", assets.to_str().unwrap());
+    let data = folder.join("tool_tip.csv");
+    let text = text.replace("tool_tip.csv", data.to_str().unwrap());
+    let doubt = "is a unit of the FRFs wrong";
+    for (unit, is_told) in [("\"um\"", false), ("\"m\"", true)] {
+        std::fs::write(desk.path("tip.toml"), text.replace("\"um\"", unit)).unwrap();
+        let output = desk.truecut(&["identify", "tip.toml"]);
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{told}");
+        assert_eq!(told.contains(doubt), is_told, "{told}");
+        assert_eq!(
+            told.contains("It looks like um taken for m"),
+            is_told,
+            "{told}"
+        );
+    }
+}
+
 #[test]
 fn the_schema_of_the_identification_file_is_printed() {
     let output = Desk::new().truecut(&["schema", "--identification"]);

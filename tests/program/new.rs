@@ -214,7 +214,7 @@ fn what_is_given_is_taken() {
             "polish",
             &urdf,
             &["--place-mm", "9000,0,0"],
-            "out of reach at (9.0",
+            "out of reach at (9, 0",
         ),
         (
             "load",

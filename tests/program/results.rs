@@ -116,7 +116,8 @@ fn a_run_that_ends_in_chatter_says_so_everywhere() {
     std::fs::write(desk.path("deep.toml"), format!("{cut}{claim}")).unwrap();
     let out = desk.ends(CHATTER, &["run", "deep.toml", "--no-rrd"]);
     assert!(
-        out.contains("✗ ended in chatter at 0.") && out.contains("paths of teeth loop"),
+        out.contains("✗ ended in chatter at 0.")
+            && out.contains("one moves backwards: paths of teeth loop"),
         "{out}"
     );
     assert!(

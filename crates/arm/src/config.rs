@@ -65,6 +65,8 @@ pub(crate) struct Config {
     pub(crate) flange_from_tool: Isometry3<f64>,
     pub(crate) flange_from_foot: Isometry3<f64>,
     pub(crate) tool_load: Option<ToolLoad>,
+    /// What speaks against its frames.
+    pub(crate) doubts: Vec<String>,
 }
 
 impl Default for Config {
@@ -74,6 +76,7 @@ impl Default for Config {
             flange_from_tool: Isometry3::identity(),
             flange_from_foot: Isometry3::identity(),
             tool_load: None,
+            doubts: Vec::new(),
         }
     }
 }
@@ -143,6 +146,7 @@ impl<'a> ConfigFile<'a> {
             flange_from_tool,
             flange_from_foot: foot.unwrap_or(flange_from_tool),
             tool_load: self.tool_load(faults),
+            doubts: self.frame_doubts(),
         }
     }
 }

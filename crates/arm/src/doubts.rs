@@ -1,8 +1,14 @@
 //! What looks like a placeholder rather than a value: files are published so, and a run with them
 //! gives numbers like any other.
 
-use crate::model::{Chain, Frames, Joint, JointKind, Link, standard_gravity_m_s2};
-use std::f64::consts::TAU;
+use crate::model::{Chain, Frames, JointKind, Link, Robot};
+
+mod motion;
+mod place;
+mod windup;
+
+pub(crate) use motion::{of_frame_angles, unknown_speeds};
+pub(crate) use windup::most_wound;
 
 /// Fewest joints of what is an arm; a rig of one or two may have any masses.
 pub(crate) const FEWEST_JOINTS: usize = 4;
@@ -13,15 +19,8 @@ const MOST_KG_PER_M2: f64 = 1000.0;
 /// Reach of arms that there are: the smallest stand on a desk, the largest carry 2.3 t over 4.7 m.
 const LEAST_REACH_M: f64 = 0.1;
 pub(crate) const MOST_REACH_M: f64 = 10.0;
-/// Most turns to either side of a joint that an industrial arm has: cables do not bear more, and a
-/// wrist without end has no limits. A quarter of a turn in degrees would be 14 turns in radians.
-const MOST_TURNS: f64 = 12.0;
 /// An origin is turned by no more than a whole turn, and rounding.
 const MOST_TURN_RAD: f64 = 6.5;
-/// Larger limits stand for none.
-const NO_LIMIT_RAD: f64 = 1000.0;
-/// Drives with springs in series, the softest that there are, give way by half of it.
-const MOST_WINDUP_RAD: f64 = 0.1;
 /// A tool's frame is along the last axis, or across it, within this cosine.
 const RIGHT_ANGLE: f64 = 0.02;
 
@@ -59,8 +58,7 @@ pub(crate) fn of(chain: &Chain, frames: &Frames, mut signs: Vec<String>) -> Doub
     }
     notes.extend(of_geometry(chain, frames));
     if chain.joints.len() >= FEWEST_JOINTS {
-        notes.extend(of_tool_point(chain, frames));
-        notes.extend(of_windup(chain));
+        notes.extend(windup::of_windup(chain));
     }
     Doubts {
         notes,
@@ -68,16 +66,32 @@ pub(crate) fn of(chain: &Chain, frames: &Frames, mut signs: Vec<String>) -> Doub
     }
 }
 
-/// Looks at lengths, limits and the flange, which the robot's file gives, whatever else is known.
+/// Looks at lengths, limits, speeds, the flange and the tool's frame, which say where an arm goes,
+/// whatever else is known.
 pub(crate) fn of_geometry(chain: &Chain, frames: &Frames) -> Vec<String> {
     let mut notes: Vec<String> = of_lengths(chain)
         .into_iter()
-        .chain(of_limits(chain))
+        .chain(motion::of_limits(chain))
+        .chain(motion::of_speeds(chain))
+        .chain(motion::of_missing_speeds(chain))
         .collect();
     if chain.joints.len() >= FEWEST_JOINTS {
         notes.extend(of_tool_axis(chain, frames));
+        notes.extend(of_tool_point(chain, frames));
     }
     notes
+}
+
+impl Robot {
+    /// What speaks against where the arm goes and how fast, for whoever asks for its motion alone:
+    /// [`Chain::motion_doubts`], and joints without a speed limit, of which none is too fast.
+    #[must_use]
+    pub fn motion_doubts(&self) -> Vec<String> {
+        let mut doubts = self.chain.motion_doubts.clone();
+        let of_speeds = unknown_speeds(&self.chain);
+        doubts.extend(of_speeds.filter(|note| !self.chain.motion_doubts.contains(note)));
+        doubts
+    }
 }
 
 fn all_alike(links: &[Link], of: impl Fn(&Link) -> f64) -> bool {
@@ -150,32 +164,6 @@ fn of_lengths(chain: &Chain) -> Option<String> {
     ))
 }
 
-/// Limits in degrees.
-fn of_limits(chain: &Chain) -> Option<String> {
-    let most = |joint: &Joint| {
-        let limits = joint.limits.filter(|_| joint.kind == JointKind::Revolute)?;
-        let furthest = [limits.lower, limits.upper].map(f64::abs);
-        let furthest = furthest.into_iter().filter(|it| it.is_finite());
-        furthest.reduce(f64::max)
-    };
-    let limited: Vec<(&Joint, f64)> = (chain.joints.iter())
-        .filter_map(|joint| Some((joint, most(joint)?)))
-        .collect();
-    let far = |(_, limit): &&(&Joint, f64)| (MOST_TURNS * TAU..NO_LIMIT_RAD).contains(limit);
-    let doubtful: Vec<_> = limited.iter().filter(far).collect();
-    let (joint, limit) = doubtful.first()?;
-    if 2 * doubtful.len() < limited.len() {
-        return None;
-    }
-    Some(format!(
-        "{} of {} joints with limits may turn by more than {MOST_TURNS} times, the joint \"{}\" as far as {limit} \
-         rad: angles of a robot's file are radians, and these look like degrees",
-        doubtful.len(),
-        limited.len(),
-        joint.name
-    ))
-}
-
 /// A tool that is longer than the arm.
 fn of_tool_point(chain: &Chain, frames: &Frames) -> Option<String> {
     let (reach_m, off_m) = (
@@ -186,46 +174,6 @@ fn of_tool_point(chain: &Chain, frames: &Frames) -> Option<String> {
         format!(
             "the tool point is {off_m:.4} m off the flange, and the joints reach {reach_m:.4} m: \
              frames.tool has xyz_m in metres"
-        )
-    })
-}
-
-/// A transmission that the arm's own weight winds up, stretched out, by more than any does.
-fn of_windup(chain: &Chain) -> Option<String> {
-    // From each joint to the centres of what it carries, along the chain.
-    let torque = |joint: usize| -> f64 {
-        let mut lever_m = 0.0;
-        let carried = chain
-            .joints
-            .iter()
-            .zip(&chain.links)
-            .enumerate()
-            .skip(joint);
-        let weights = carried.map(|(index, (own, link))| {
-            if index > joint {
-                lever_m += own.parent_from_joint.translation.vector.norm();
-            }
-            link.mass_kg * (lever_m + link.com_m.norm())
-        });
-        standard_gravity_m_s2().norm() * weights.sum::<f64>()
-    };
-    let windups = chain
-        .joints
-        .iter()
-        .enumerate()
-        .filter_map(|(index, joint)| {
-            let stiffness = joint.transmission.stiffness?;
-            let rotary = joint.kind == JointKind::Revolute;
-            rotary.then(|| (joint, stiffness, torque(index) / stiffness))
-        });
-    let (joint, stiffness, windup) = windups.max_by(|a, b| a.2.total_cmp(&b.2))?;
-    (windup > MOST_WINDUP_RAD).then(|| {
-        format!(
-            "the arm's weight, stretched out, would wind the joint \"{}\" up by {:.1} deg ({:.0} deg is more than \
-             any arm's): its stiffness is {stiffness} N m/rad",
-            joint.name,
-            windup.to_degrees(),
-            MOST_WINDUP_RAD.to_degrees()
         )
     })
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
+use crate::doubts::most_wound;
 use crate::dynamics::Dynamics;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::Robot;
@@ -95,7 +96,8 @@ impl Robot {
             limit = RELATIVE_RESIDUAL * largest + f64::EPSILON * rounding;
             let tangent = self.tangent_stiffness(q.as_slice(), load)?;
             if residual <= limit {
-                check_stable(&tangent)?;
+                let wound = || self.wound_most(command.as_slice(), load);
+                check_stable(&tangent, wound)?;
                 return Ok(q.as_slice().to_vec());
             }
             let Some(step) = tangent.lu().solve(&defect) else {
@@ -107,13 +109,19 @@ impl Robot {
             iterations: MAX_ITERATIONS,
             residual,
             limit,
+            wound: self.wound_most(command.as_slice(), load),
         }
         .into())
+    }
+
+    /// What an error adds of the springs, which may be far too soft.
+    fn wound_most(&self, command: &[f64], load: &Load) -> String {
+        most_wound(self, &self.load_torques(command, load))
     }
 }
 
 /// An arm rests only where any small displacement takes work.
-fn check_stable(tangent: &DMatrix<f64>) -> Result<(), ArmError> {
+fn check_stable(tangent: &DMatrix<f64>, wound: impl Fn() -> String) -> Result<(), ArmError> {
     let symmetric = (tangent + tangent.transpose()) * 0.5;
     let smallest = symmetric.symmetric_eigenvalues().min();
     if smallest > 0.0 {
@@ -121,6 +129,7 @@ fn check_stable(tangent: &DMatrix<f64>) -> Result<(), ArmError> {
     }
     Err(ArmErrorKind::UnstableEquilibrium {
         stiffness: smallest,
+        wound: wound(),
     }
     .into())
 }

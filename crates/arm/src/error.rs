@@ -5,6 +5,7 @@ use std::path::Path;
 use thiserror::Error;
 
 use crate::placed::Placed;
+use crate::told::{in_the_workshop, short, told};
 
 /// An error with the place it was found at.
 pub type ArmError = Placed<ArmErrorKind>;
@@ -18,6 +19,14 @@ pub enum ArmErrorKind {
     Several(Vec<ArmError>),
     #[error("cannot read the file: {0}")]
     Unreadable(#[source] std::io::Error),
+    #[error(
+        "the byte {byte:#04x} (byte {at} of the file) is not UTF-8, which XML is unless its first line says otherwise; save the file as UTF-8, or begin it with <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>, or whatever it is"
+    )]
+    NotUtf8 { byte: u8, at: usize },
+    #[error(
+        "the encoding \"{found}\" of the file is not known, or the file is in another one; save it as UTF-8"
+    )]
+    UnknownEncoding { found: String },
     #[error("not well-formed XML: {0}")]
     Xml(String),
     #[error("elements are nested more than {limit} deep; a URDF is nested less than ten deep")]
@@ -225,8 +234,9 @@ pub enum ArmErrorKind {
     #[error("the posture has {found} values; the chain has {expected} joints")]
     PostureLength { found: usize, expected: usize },
     #[error(
-        "joint \"{joint}\": {value} {unit} is outside the limits {lower} to {upper} {unit} ({})",
-        in_the_workshop([*value, *lower, *upper], unit)
+        "joint \"{joint}\": {} is outside the limits {} to {} ({} {unit}; {} to {} {unit})",
+        in_the_workshop(*value, unit), in_the_workshop(*lower, unit), in_the_workshop(*upper, unit),
+        short(*value), short(*lower), short(*upper)
     )]
     OutsideLimits {
         joint: String,
@@ -238,17 +248,18 @@ pub enum ArmErrorKind {
     #[error("joint \"{joint}\": posture value {value} is not a finite number")]
     PostureNotFinite { joint: String, value: f64 },
     #[error(
-        "no static equilibrium found: after {iterations} Newton steps the torque balance is still off by {residual:e} (limit {limit:e})"
+        "no static equilibrium found: after {iterations} Newton steps the torque balance is still off by {residual:e} (limit {limit:e}){wound}"
     )]
     NoEquilibrium {
         iterations: usize,
         residual: f64,
         limit: f64,
+        wound: String,
     },
     #[error(
-        "the equilibrium found is not stable: the smallest eigenvalue of the joint stiffness there is {stiffness}; it must be positive"
+        "the equilibrium found is not stable: the smallest eigenvalue of the joint stiffness there is {stiffness}; it must be positive{wound}"
     )]
-    UnstableEquilibrium { stiffness: f64 },
+    UnstableEquilibrium { stiffness: f64, wound: String },
     #[error(
         "the tool's modes weigh {mass_kg:.4} kg together (stiffness over the square of the angular frequency), but must weigh less than the arm gives at its tool point: their masses are part of its own"
     )]
@@ -275,7 +286,10 @@ pub enum ArmErrorKind {
         position_limit_m: f64,
         angle_limit_rad: f64,
     },
-    #[error("pose out of reach at ({x_m}, {y_m}, {z_m}) m: no posture puts the {frame} there")]
+    #[error(
+        "pose out of reach at ({}, {}, {}) m: no posture puts the {frame} there",
+        short(*x_m), short(*y_m), short(*z_m)
+    )]
     OutOfReach {
         frame: &'static str,
         x_m: f64,
@@ -283,7 +297,8 @@ pub enum ArmErrorKind {
         z_m: f64,
     },
     #[error(
-        "the pose at ({x_m}, {y_m}, {z_m}) m is reached by {count} postures, but by none within the joint limits{nearest}"
+        "the pose at ({}, {}, {}) m is reached by {count} postures, but by none within the joint limits{nearest}",
+        short(*x_m), short(*y_m), short(*z_m)
     )]
     LimitsExclude {
         count: usize,
@@ -294,7 +309,8 @@ pub enum ArmErrorKind {
         nearest: String,
     },
     #[error(
-        "the path breaks off at pose {index}: the nearest posture is {jump} {unit} away in joint \"{joint}\" (limit {limit} {unit}); a singularity or a joint limit lies there"
+        "the path breaks off at pose {index}: the nearest posture is {} away in joint \"{joint}\" (limit {}); a singularity or a joint limit lies there",
+        in_the_workshop(*jump, unit), in_the_workshop(*limit, unit)
     )]
     PathBreaks {
         index: usize,
@@ -337,16 +353,6 @@ pub enum ArmErrorKind {
     },
 }
 
-/// A coordinate and its limits in the units that people give them in.
-fn in_the_workshop([value, lower, upper]: [f64; 3], unit: &str) -> String {
-    let (scale, unit) = match unit {
-        "rad" => (1_f64.to_degrees(), "deg"),
-        _ => (1e3, "mm"),
-    };
-    let [value, lower, upper] = [value, lower, upper].map(|it| it * scale);
-    format!("{value:.2} {unit}; {lower:.2} to {upper:.2} {unit}")
-}
-
 fn listed(faults: &[ArmError]) -> String {
     let line = |fault: &ArmError| match fault.line() {
         Some(line) => format!("line {line}: {}", fault.message()),
@@ -377,12 +383,4 @@ pub(crate) fn several(mut faults: Vec<ArmError>) -> Option<ArmError> {
         Some(path) => ArmError::in_file(&path, line, kind),
         None => kind.into(),
     })
-}
-
-/// A number, with an exponent where it would take a line of digits.
-fn told(value: f64) -> String {
-    match value.abs() {
-        size if size >= 1e15 && size.is_finite() => format!("{value:e}"),
-        _ => value.to_string(),
-    }
 }

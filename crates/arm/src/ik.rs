@@ -125,7 +125,7 @@ fn lengths(error: &Vector6<f64>) -> (f64, f64) {
     (linear.norm(), angular.norm())
 }
 
-fn within(error: &Vector6<f64>, options: &IkOptions) -> bool {
+pub(crate) fn within(error: &Vector6<f64>, options: &IkOptions) -> bool {
     let (position_m, angle_rad) = lengths(error);
     position_m <= options.position_tolerance_m && angle_rad <= options.angle_tolerance_rad
 }

@@ -7,6 +7,7 @@ use crate::ik::IkOptions;
 use crate::model::{FrameId, JointKind, Robot};
 use crate::opw::{OpwGeometry, wrap};
 use crate::six_axes::SixAxes;
+use crate::told::in_the_workshop;
 use crate::turns::turned;
 
 /// Postures that agree to this in every joint, modulo whole turns, count as one.
@@ -79,6 +80,11 @@ impl IkSolver<'_> {
         &self.options
     }
 
+    /// The robot with its position limits taken away.
+    pub(crate) fn unlimited(&self) -> &Robot {
+        &self.unlimited
+    }
+
     /// All postures that put `frame` at a pose, revolute joints in (−π, π], position limits not
     /// asked.
     ///
@@ -110,7 +116,8 @@ impl IkSolver<'_> {
 
     /// All postures within the position limits that put `frame` at a pose, whole turns of revolute
     /// joints included where limits leave room for them. A joint without limits is given in (−π, π]
-    /// only.
+    /// only. Where none is, an arm with joints to spare is moved with its tool at rest until some
+    /// are.
     #[must_use]
     pub fn within_limits(
         &self,
@@ -118,14 +125,19 @@ impl IkSolver<'_> {
         frame: FrameId,
     ) -> Vec<Vec<f64>> {
         let branches = self.branches(world_from_target, frame);
-        branches
+        let within: Vec<Vec<f64>> = branches
             .iter()
             .flat_map(|q| turned(&self.robot.chain.joints, q))
-            .collect()
+            .collect();
+        if within.is_empty() {
+            return self.brought_within(world_from_target, frame, &branches);
+        }
+        within
     }
 
     /// The posture within limits that puts `frame` at a pose and lies nearest to `from` (shortest
-    /// travel: root of the sum of squared joint motions, rad and m).
+    /// travel: root of the sum of squared joint motions, rad and m). An arm with joints to spare
+    /// comes as near as it can with its tool at rest.
     ///
     /// # Errors
     /// If no posture reaches the pose, or none within the limits.
@@ -145,7 +157,10 @@ impl IkSolver<'_> {
         frame: FrameId,
         from: &[f64],
     ) -> Result<Vec<f64>, ArmErrorKind> {
-        let branches = self.branches(world_from_target, frame);
+        let mut branches = self.branches(world_from_target, frame);
+        if self.robot.has_joints_to_spare() {
+            branches.extend(self.led_to(world_from_target, frame, from));
+        }
         let mut nearest = branches.iter().map(|q| self.near(q, from)).collect();
         let within = |q: &Vec<f64>| self.robot.check_posture(q).is_ok();
         let mut candidates: Vec<Vec<f64>> = branches
@@ -154,6 +169,12 @@ impl IkSolver<'_> {
             .collect();
         candidates.append(&mut nearest);
         candidates.retain(within);
+        if candidates.is_empty() {
+            candidates = self.brought_within(world_from_target, frame, &branches);
+        }
+        if self.robot.has_joints_to_spare() {
+            candidates = self.drawn_near(world_from_target, frame, candidates, from);
+        }
         let nearest = candidates
             .into_iter()
             .min_by(|a, b| travel(a, from).total_cmp(&travel(b, from)));
@@ -199,9 +220,9 @@ impl IkSolver<'_> {
             y_m: point.y,
             z_m: point.z,
             nearest: least.map_or_else(String::new, |(joint, by)| {
-                let unit = joint.kind.coordinate_unit();
+                let by = in_the_workshop(by, joint.kind.coordinate_unit());
                 format!(
-                    "; the nearest breaks those of joint \"{}\" by {by} {unit}",
+                    "; the nearest breaks those of joint \"{}\" by {by}",
                     joint.name
                 )
             }),

@@ -23,7 +23,9 @@ impl Default for PathOptions {
 
 impl IkSolver<'_> {
     /// Postures along a path of poses, each the nearest to the one before, from a start posture
-    /// that need not be on it.
+    /// that need not be on it. Of an arm with joints to spare each comes of the one before by steps
+    /// of least length, in which joints slow down before their limits; from a start at the first
+    /// pose, or a tenth of a radian from it, it goes on so, too.
     ///
     /// # Errors
     /// At the first pose that is out of reach or limits, or to which a joint would have to jump:
@@ -42,8 +44,7 @@ impl IkSolver<'_> {
         let mut path: Vec<Vec<f64>> = Vec::with_capacity(poses.len());
         for (index, pose) in poses.iter().enumerate() {
             let before = path.last().map_or(start, Vec::as_slice);
-            let continued = (index > 0).then(|| self.continued(pose, frame, before, options));
-            let next = match continued.flatten() {
+            let next = match self.continued(pose, frame, before, options) {
                 Some(next) => next,
                 None => self
                     .nearest_kind(pose, frame, before)
@@ -91,7 +92,8 @@ impl IkSolver<'_> {
     }
 
     /// Where branches are found by a search over the joints' ranges only, the posture to which the
-    /// one before leads without a jump.
+    /// one before leads without a jump. That goes for the start, too: the search may not find it
+    /// again, and of a continuum of postures it has samples.
     fn continued(
         &self,
         pose: &Isometry3<f64>,
@@ -102,12 +104,19 @@ impl IkSolver<'_> {
         if self.geometry().is_some() {
             return None;
         }
+        let robot = self.robot();
+        let is_near = |found: &Vec<f64>| {
+            let steps = found.iter().zip(before).map(|(a, b)| (a - b).abs());
+            steps.fold(0.0, f64::max) <= options.largest_step
+        };
+        if robot.has_joints_to_spare()
+            && let Some(found) = robot.least_change(pose, frame, before).filter(is_near)
+        {
+            return Some(found);
+        }
         let numeric = IkOptions::default();
-        let found = (self.robot())
-            .inverse_kinematics(pose, frame, before, &numeric)
-            .ok()?;
-        let steps = found.iter().zip(before).map(|(a, b)| (a - b).abs());
-        (steps.fold(0.0, f64::max) <= options.largest_step).then_some(found)
+        let found = robot.inverse_kinematics(pose, frame, before, &numeric);
+        found.ok().filter(is_near)
     }
 
     fn check_step(

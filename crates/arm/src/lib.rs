@@ -84,12 +84,14 @@ mod posture_rows;
 pub mod report;
 mod report_estimates;
 mod report_text;
+mod self_motion;
 mod six_axes;
 mod solids;
 mod table;
 mod tangent;
 mod tip;
 mod tip_modes;
+mod told;
 mod tree;
 mod turns;
 mod undrawn;
@@ -98,6 +100,7 @@ mod visual;
 mod xacro;
 mod xml;
 mod xml_bounds;
+mod xml_text;
 
 pub use bounds::Masses;
 pub use compliance::{

@@ -10,12 +10,13 @@ use crate::error::{ArmError, ArmErrorKind, several};
 use crate::estimated::is_estimate;
 use crate::merge::to_chain;
 use crate::meshes;
-use crate::model::{Frames, Robot};
+use crate::model::{Chain, Frames, Robot};
 use crate::packages::Packages;
 use crate::tip::choose_tip;
 use crate::tree::{Tree, TreeLink};
 use crate::urdf::read_tree;
 use crate::xacro::{self, Expanded};
+use crate::xml_text;
 
 /// Name of the file beside a URDF that is read as its configuration.
 pub const CONFIG_FILE_NAME: &str = "robot.toml";
@@ -143,7 +144,6 @@ impl Robot {
         };
         chain.notes.splice(0..0, note.into_iter().chain(silent));
         chain.notes.append(&mut tree.notes);
-        chain.notes.append(&mut tree.doubts);
         chain.notes.extend(not_drawn);
         let (settings, config_path) = match config {
             Some(config) => (
@@ -161,9 +161,8 @@ impl Robot {
             flange_from_tool: settings.flange_from_tool,
             flange_from_foot: settings.flange_from_foot,
         };
-        let doubts = doubts::of(&chain, &frames, tree.signs);
-        chain.notes.extend(doubts.notes);
-        chain.placeholders = doubts.placeholders;
+        tree.doubts.extend(settings.doubts);
+        enter_doubts(&mut chain, &frames, tree.doubts, tree.signs);
         Ok(Self {
             name: settings.name.unwrap_or_else(|| chain.name.clone()),
             frames,
@@ -174,6 +173,17 @@ impl Robot {
             tool_load: settings.tool_load,
         })
     }
+}
+
+/// Adds what speaks against the arm to its notes, with what its files have told of angles and of
+/// placeholders.
+fn enter_doubts(chain: &mut Chain, frames: &Frames, of_angles: Vec<String>, signs: Vec<String>) {
+    let of_geometry = doubts::of_geometry(chain, frames);
+    let doubts = doubts::of(chain, frames, signs);
+    chain.notes.extend(of_angles.iter().cloned());
+    chain.notes.extend(doubts.notes);
+    chain.motion_doubts = of_angles.into_iter().chain(of_geometry).collect();
+    chain.placeholders = doubts.placeholders;
 }
 
 /// Whether a file of settings holds no more than remarks.
@@ -204,7 +214,7 @@ impl Source {
         packages: &Packages,
         arguments: &BTreeMap<String, String>,
     ) -> Result<Self, ArmError> {
-        let text = read(path)?;
+        let text = xml_text::read(path)?;
         if xacro::has_xacro(&text) {
             return xacro::expand(&text, path, packages, arguments).map(Self::Xacro);
         }

@@ -90,6 +90,7 @@ fn chain_of(
             .unwrap_or_else(|| MergedBody::default().into_link("")),
         tip: String::new(),
         notes: Vec::new(),
+        motion_doubts: Vec::new(),
         estimated_masses: Vec::new(),
         placeholders: None,
     };

@@ -211,6 +211,9 @@ pub struct Chain {
     pub tip: String,
     /// What was merged, chosen or left out when the file was read; one sentence each.
     pub notes: Vec<String>,
+    /// Those of them that speak against where the arm goes and how fast: lengths, angles, limits
+    /// and speeds that look like another unit.
+    pub motion_doubts: Vec<String>,
     /// Links of the robot's file whose masses are estimates, by their sources.
     pub estimated_masses: Vec<String>,
     /// Why masses and inertias seem to be placeholders, if they do.

@@ -7,6 +7,7 @@ use crate::compliance::{
     PlanarStiffness, RIGID_SHARE, axial_lateral_coupling, clamped, directional_stiffness, in_axes,
     planar_principal, translational,
 };
+use crate::doubts::unknown_speeds;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::estimated::TransmissionValue;
 use crate::model::{FrameId, JointKind, Link, Robot, TransmissionSources};
@@ -165,6 +166,8 @@ impl Robot {
         let mut notes = self.chain.notes.clone();
         notes.extend(self.estimates(&TransmissionValue::ALL));
         notes.extend(self.unchecked_drives());
+        let of_speeds = unknown_speeds(&self.chain);
+        notes.extend(of_speeds.filter(|note| !self.chain.notes.contains(note)));
         let mut missing = Vec::new();
         let modes = match self.modes(posture, None) {
             Ok(modes) => {

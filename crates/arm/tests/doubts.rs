@@ -85,6 +85,97 @@ fn travel_of_slides_counts_as_reach() {
     }
 }
 
+const SPEED: &str = "velocity=\"3\"";
+
+/// A file that was mended in part: every joint counts for itself.
+#[test]
+fn single_joints_in_degrees_are_told() {
+    let offsets = [0.4; 6];
+    let mut limits = [(-2.0, 2.5); 6];
+    limits[0] = (-178.0, 178.0);
+    limits[4] = (-120.0, 2.0);
+    let of_two = notes(&urdf(&offsets, &limits, OUTWARDS));
+    let two = "2 of 6 joints with limits may turn by more than 12 times, the joint \"j1\" as far as 178 rad, \"j5\" 120 \
+               rad: angles of a robot's file are radians, and these look like degrees";
+    assert!(told(&of_two, two), "{of_two:?}");
+    // A wrist that counts its turns has 96 of them.
+    limits = [(-2.0, 2.5); 6];
+    limits[5] = (-603.186, 603.186);
+    let of_wrist = notes(&urdf(&offsets, &limits, OUTWARDS));
+    assert!(!told(&of_wrist, "degrees"), "{of_wrist:?}");
+}
+
+#[test]
+fn speeds_in_degrees_and_joints_without_a_speed_are_told() {
+    let sound = urdf(&[0.4; 6], &[(-2.0, 2.5); 6], OUTWARDS);
+    for of in ["deg/s", "no speed limit"] {
+        assert!(!told(&notes(&sound), of), "{of}");
+    }
+    // As quick as the last joint of a small SCARA arm.
+    assert!(!told(
+        &notes(&sound.replacen(SPEED, "velocity=\"52\"", 1)),
+        "deg/s"
+    ));
+    let quick = notes(&sound.replacen(SPEED, "velocity=\"114.6\"", 1));
+    let one = "1 of 6 joints with a speed limit may turn faster than 60 rad/s (3438 deg/s), the joint \"j1\" at up to \
+               114.6 rad/s: speeds of a robot's file are rad/s, and these look like deg/s";
+    assert!(told(&quick, one), "{quick:?}");
+    let none = "velocity=\"0\"";
+    let one = notes(&sound.replacen(SPEED, none, 1));
+    let unknown = "no speed limit is known of j1: speeds of these joints are not checked";
+    assert!(told(&one, unknown), "{one:?}");
+    // A file without any is told where speeds are asked for, and where the arm is looked at.
+    let text = sound.replace(SPEED, none);
+    let robot = Robot::from_texts((&text, Path::new("drawn.urdf")), None, None).unwrap();
+    assert!(!told(&robot.chain.notes, "no speed limit"));
+    let report = robot.report(&[0.0; 6]).unwrap();
+    assert!(told(
+        &report.notes,
+        "no speed limit is known of j1, j2, j3, j4, j5, j6"
+    ));
+    assert!(told(
+        &robot.motion_doubts(),
+        "no speed limit is known of j1, j2"
+    ));
+}
+
+/// Angles of frames that are radians to their digits, and measured ones that are none.
+#[test]
+fn angles_of_frames_in_radians_are_told() {
+    let text = urdf(&[0.4; 6], &[(-2.0, 2.5); 6], OUTWARDS);
+    let doubts = |rpy: &str| {
+        let config = format!("[frames.tool]\nxyz_m = [0, 0, 0.1]\nrpy_deg = {rpy}\n");
+        let settings = Some((config.as_str(), Path::new("robot.toml")));
+        let robot = Robot::from_texts((&text, Path::new("drawn.urdf")), settings, None).unwrap();
+        assert_eq!(
+            told(&robot.chain.notes, "meant?"),
+            told(&robot.motion_doubts(), "meant?")
+        );
+        robot.chain.notes
+    };
+    let of_right_angle = doubts("[0.0, 1.5708, 0.0]");
+    let note = "frames.tool has rpy_deg = [0.0, 1.5708, 0.0], in degrees, of which 1.5708 is 90 deg in radians to its \
+                digits: was 90 meant?";
+    assert!(told(&of_right_angle, note), "{of_right_angle:?}");
+    for radians in [
+        "[3.14, 0, 0]",
+        "[0, -0.7854, 3.14159265]",
+        "[0, 1.5707963267948966, 0]",
+        "[0.3, 2.094, 0]",
+    ] {
+        assert!(told(&doubts(radians), "meant?"), "{radians}");
+    }
+    for degrees in [
+        "[0, 90, 0]",
+        "[0.785, 91.3, -0.524]",
+        "[1.5, 0, 3]",
+        "[0.21, 0.78, 0.53]",
+        "[0, 0, 0]",
+    ] {
+        assert!(!told(&doubts(degrees), "meant?"), "{degrees}");
+    }
+}
+
 proptest! {
     #[test]
     fn an_arm_in_metres_and_radians_is_believed_and_one_in_other_units_told(joints in arms()) {

@@ -417,3 +417,30 @@ fn verify_process_frame() {
         "X cross world x"
     );
 }
+
+/// Letters of other languages, in the encoding that the head of the file names; without a head
+/// they are UTF-8.
+#[test]
+fn the_encoding_that_a_file_names_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("arm.urdf");
+    let body = "<robot name=\"Gr\u{f6}\u{df}e\"><link name=\"base\"/><link name=\"arm\"/>\
+                <joint name=\"j\" type=\"revolute\"><parent link=\"base\"/><child link=\"arm\"/>\
+                <axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/>\
+                </joint></robot>";
+    let latin: Vec<u8> = body
+        .chars()
+        .map(|c| u8::try_from(c).expect("Latin-1"))
+        .collect();
+    for head in [
+        "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n",
+        "<?xml version='1.0' encoding='windows-1252'?>\n",
+    ] {
+        std::fs::write(&file, [head.as_bytes(), &latin].concat()).expect("a file");
+        let robot = Robot::load_kinematics(&file, None, None).expect(head);
+        assert_eq!(robot.chain.name, "Gr\u{f6}\u{df}e");
+    }
+    std::fs::write(&file, body).expect("a file");
+    let robot = Robot::load_kinematics(&file, None, None).expect("UTF-8");
+    assert_eq!(robot.chain.name, "Gr\u{f6}\u{df}e");
+}

@@ -191,7 +191,9 @@ fn in_lines(
     labels: &[(usize, String)],
     help: Option<String>,
 ) -> Option<Failure> {
-    let source = truecut_files::read_text(path).ok()?;
+    // As it can be shown: lines are where they are in any encoding that is read.
+    let source = truecut_files::read_raw_text(path).ok()?;
+    let source = String::from_utf8_lossy(&source).into_owned();
     let span = |(line, _): &(usize, String)| {
         let lines = source.split_inclusive('\n').take(line.checked_sub(1)?);
         let start: usize = lines.map(str::len).sum();

@@ -203,6 +203,23 @@ pub fn with_slides(robot: Robot, places_mm: Option<&[f64]>) -> Result<Robot, Fai
     (robot.with_slides_at(&places_m)).map_err(|error| Failure::message(error.message()))
 }
 
+/// Joints that turn of an arm that follows a file: a pose asks for as many.
+const OF_A_POSE: usize = 6;
+
+/// Refuses an arm with slides whose other joints are too few for a pose: they follow a file alone.
+pub fn unless_gantry(robot: &Robot, urdf: &Path) -> Result<(), Failure> {
+    let slides = robot.slides().count();
+    let turning = robot.dof() - slides;
+    if slides == 0 || turning >= OF_A_POSE {
+        return Ok(());
+    }
+    let text = format!(
+        "the arm has {slides} slides and {turning} joints that turn, but must have at least {OF_A_POSE} that turn: \
+         they follow a file alone, with the slides at rest; a gantry follows no file"
+    );
+    Err(Failure::at(urdf, text))
+}
+
 /// What a reader of a robot program must know of slides, by their places in m.
 pub fn slides_note(places_m: &[f64]) -> String {
     let places = places_m

@@ -59,6 +59,14 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// The bytes of a text that says itself how it is encoded.
+///
+/// # Errors
+/// As [`open`], with [`MOST_TEXT_BYTES`].
+pub fn read_raw_text(path: &Path) -> Result<Vec<u8>> {
+    held(path, MOST_TEXT_BYTES)
+}
+
 fn opened(path: &Path, most: u64) -> Result<File> {
     // Before it is opened: opening a pipe waits for somebody to write into it.
     check(&path.metadata()?, most)?;

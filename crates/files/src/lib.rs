@@ -13,7 +13,7 @@ mod watched;
 mod whole;
 
 pub use cells::{CellRow, Cells, CellsError, is_comment, number};
-pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, open_own, read, read_text};
+pub use input::{MOST_BYTES, MOST_TEXT_BYTES, open, open_own, read, read_raw_text, read_text};
 pub use memory::{limit_memory, memory_limit};
 pub use name::folder_name;
 pub use nesting::{MOST_NESTED, too_deep};

@@ -119,6 +119,20 @@ const FAULTS: &[(&str, usize, &[&str])] = &[
     ),
     ("cycle.apt", 4, &["`CYCLE`", "canned cycles"]),
     ("cutcom.apt", 2, &["`CUTCOM`", "compensation"]),
+    (
+        "second_system.cls",
+        8,
+        &[
+            "MSYS is 100,50,0,0,1,0,-1,0,0",
+            "that of line 2",
+            "one is read",
+        ],
+    ),
+    (
+        "late_system.cls",
+        4,
+        &["MSYS is 0,0,5", "before the first point"],
+    ),
     ("unknown_word.apt", 4, &["`GOFWD`", "GOTO, FROM"]),
     (
         "feed_missing.apt",

@@ -197,6 +197,42 @@ fn verify_a_circle_is_passed_without_a_stop() {
     }
 }
 
+/// A block that repeats the place before is no line, and no corner lies far from it: at the start,
+/// in the middle and at the end.
+#[test]
+fn a_point_that_is_said_twice_changes_nothing_of_what_is_told() {
+    let robot = assets::robot("hp20");
+    let folder = tempfile::tempdir().unwrap();
+    let work = Isometry3::translation(0.9, -0.02, 0.35);
+    let blocks = ["G1 X0 Y0 Z0", "G1 X30", "G1 Y20", "G1 X0"];
+    let found = |name: &str, repeated: &[usize]| {
+        let mut text = "G21 G90 F1200\n".to_owned();
+        for (i, block) in blocks.iter().enumerate() {
+            let times = if repeated.contains(&i) { 2 } else { 1 };
+            (0..times).for_each(|_| text.push_str(&format!("{block}\n")));
+        }
+        text.push_str("M30\n");
+        let file = written(folder.path(), name, &text);
+        led(&cam(&file, work), &robot).unwrap().motion
+    };
+    let once = found("once.nc", &[]);
+    assert!((1e-5..1e-3).contains(&once.off.0), "{:?}", once.off);
+    for repeated in [&[1][..], &[0], &[3], &[0, 1, 2, 3]] {
+        let twice = found("twice.nc", repeated);
+        assert_eq!(twice.knots, once.knots);
+        let apart_m = (twice.off.0 - once.off.0).abs();
+        assert!(
+            apart_m < 1e-12,
+            "{repeated:?}: {:?} {:?}",
+            twice.off,
+            once.off
+        );
+        let mut done_s = twice.reached_s.clone();
+        done_s.dedup();
+        assert_eq!(done_s, once.reached_s, "{repeated:?}");
+    }
+}
+
 /// Places in a box of 100 mm, attitudes about downwards.
 fn led_by_every_dialect(drawn: &[([f64; 3], [f64; 3])]) {
     let robot = assets::robot("hp20");

@@ -7,7 +7,10 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use truecut_arm::{Robot, ToolLoad};
-use truecut_plan::program::{Motion, PathPoint, Program, Tool, TravelOptions, jbi, rapid};
+use truecut_plan::program::{
+    Frames, Motion, PathPoint, Program, Settings, SpindleSwitch, Tool, TravelOptions,
+    dialect_named, jbi, rapid,
+};
 
 /// Approach by joints, then a line of `count` points with the tool down, the turntable turning
 /// beside it.
@@ -63,6 +66,55 @@ fn regress_a_module() {
     let text = rapid::write(&program(&robot, 3), &robot, &options).unwrap();
     assert_eq!(text.matches("\r\n").count(), text.matches('\n').count());
     insta::assert_snapshot!(text.replace("\r\n", "\n"));
+}
+
+/// A point that the path says twice is no line of a KRL program; what the spindle does there stays.
+#[test]
+fn a_krl_program_has_no_line_to_where_the_tool_stands() {
+    let robot = robot("hp20");
+    let mut whole = program(&robot, 3);
+    let repeated = [0, 0, 1, 2, 2];
+    whole.moves = (repeated.iter().enumerate())
+        .map(|(path_point, &of)| {
+            let mut step = whole.moves[of].clone();
+            step.path_point = path_point;
+            if path_point > 0 {
+                step.motion = Motion::Linear {
+                    speed_m_per_s: 0.02,
+                };
+            }
+            step
+        })
+        .collect();
+    whole.spindle = [(1, true), (5, false)]
+        .map(|(before, on)| SpindleSwitch { before, on })
+        .to_vec();
+    let dialect = dialect_named("krl").expect("a dialect");
+    let settings = Settings {
+        spindle_signal: Some("3".to_owned()),
+        ..Settings::default()
+    };
+    let files = dialect.write(&whole, &robot, &settings).unwrap();
+    for name in ["XP1", "XP4"] {
+        assert!(files.iter().all(|file| !file.text.contains(name)), "{name}");
+    }
+    let frames = Frames {
+        tool: whole.tool.clone(),
+        world_from_base: whole.world_from_base,
+    };
+    let text = |path: &Path| {
+        let found = files.iter().find(|file| Path::new(&file.name) == path);
+        let found = found.map(|file| file.text.clone());
+        found.ok_or_else(|| std::io::ErrorKind::NotFound.into())
+    };
+    let main = Path::new(&files[0].name);
+    let read = dialect
+        .read(main, &text, &robot, &frames, &settings)
+        .unwrap();
+    let points: Vec<usize> = read.moves.iter().map(|step| step.path_point).collect();
+    assert_eq!(points, [0, 2, 3]);
+    let switches = read.spindle.iter().map(|one| (one.before, one.on));
+    assert_eq!(switches.collect::<Vec<_>>(), [(1, true), (3, false)]);
 }
 
 /// Nothing is lost or doubled where a program is cut, and no job is longer than asked.

@@ -1,7 +1,9 @@
 //! From a scenario to everything that a cell is made of.
 
+mod place;
 mod start;
 
+use self::place::place_note;
 use self::start::at_start;
 use crate::command::JointCommand;
 use crate::effect::{self, Altered, Effects};
@@ -146,6 +148,7 @@ impl Prepared {
         let mut notes = altered.robot.chain.notes.clone();
         notes.extend(estimates::acting(spec, &nominal));
         notes.extend(scenario.notes());
+        notes.extend(place_note(scenario, &nominal, &unloaded.vector));
         notes.extend(path_note);
         notes.extend(unfinished);
         notes.extend(process.notes());

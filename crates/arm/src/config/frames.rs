@@ -4,10 +4,24 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use toml::Spanned;
 
 use super::{ConfigFile, ConfigReader, RawFrame};
+use crate::doubts;
 use crate::error::{ArmError, ArmErrorKind};
 use crate::model::ToolLoad;
 
 impl ConfigFile<'_> {
+    /// What speaks against the angles of the frames.
+    pub(super) fn frame_doubts(&self) -> Vec<String> {
+        let frames = [
+            ("tool", &self.raw.frames.tool),
+            ("foot", &self.raw.frames.foot),
+        ];
+        let doubts = frames.into_iter().filter_map(|(name, frame)| {
+            let rpy_deg = frame.as_ref()?.rpy_deg.as_ref()?;
+            doubts::of_frame_angles(name, *rpy_deg.get_ref())
+        });
+        doubts.collect()
+    }
+
     pub(super) fn tool_load(&self, faults: &mut Vec<ArmError>) -> Option<ToolLoad> {
         let raw = self.raw.tool_load.as_ref()?;
         let before = faults.len();

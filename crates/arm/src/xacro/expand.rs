@@ -8,7 +8,8 @@ use super::scope::{Block, Macro, Parameter, Property};
 use super::tree::{self, Attributes, Element, Node};
 use super::value::Value;
 use super::{Expander, Fault, MOST_ELEMENTS};
-use crate::error::{ArmError, ArmErrorKind};
+use crate::error::ArmError;
+use crate::xml_text;
 
 type Made = Result<(), Fault>;
 
@@ -221,8 +222,10 @@ impl Expander<'_> {
             return Ok(());
         }
         let real = self.readable(&file)?;
-        let text = truecut_files::read_text(&real)
-            .map_err(|error| ArmError::in_file(&path, None, ArmErrorKind::Unreadable(error)))?;
+        let text = xml_text::read(&real).map_err(|error| {
+            let line = error.line();
+            ArmError::in_file(&path, line, error.into_kind())
+        })?;
         let scope = match element.get("ns") {
             Some(name) => {
                 let name = self.text(name, scope)?;

@@ -133,7 +133,9 @@ fn postures_are_checked() {
         .expect_err("2.2 rad")
         .to_string();
     assert!(
-        far.starts_with("joint \"joint_5\": 2.2 rad is outside the limits -2.09"),
+        far.starts_with(
+            "joint \"joint_5\": 126.0507 deg is outside the limits -120 deg to 120 deg ("
+        ),
         "{far}"
     );
 }

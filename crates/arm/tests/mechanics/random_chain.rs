@@ -72,6 +72,7 @@ pub fn assemble(joints: Vec<Joint>, links: Vec<Link>, frames: [Isometry3<f64>; 3
             base: body("base", 0.0, Vector3::zeros(), Matrix3::zeros()),
             tip: "tip".into(),
             notes: Vec::new(),
+            motion_doubts: Vec::new(),
             estimated_masses: Vec::new(),
             placeholders: None,
         },

@@ -166,7 +166,8 @@ fn without_stiffness_the_joint_is_named() {
 }
 
 /// Springs too soft for the weight: there are no modes at the posture, and Newton's method runs
-/// away, or ends where the arm would stand on its head. All say so.
+/// away, or ends where the arm would stand on its head. All say so, with the spring that is wound
+/// up most: sheets give stiffness in N m/arcmin.
 #[test]
 fn springs_too_soft_for_the_weight_are_refused() {
     let q = [0.0, -0.3, 0.0, 0.0, 0.5, 0.0];
@@ -191,4 +192,14 @@ fn springs_too_soft_for_the_weight_are_refused() {
         matches!(on_its_head.kind(), ArmErrorKind::UnstableEquilibrium { .. }),
         "{on_its_head}"
     );
+    for error in [runs_away, on_its_head] {
+        let told = error.to_string();
+        for of_spring in [
+            " N m wind the joint \"joint_",
+            "robot.toml",
+            "if it is one in N m/arcmin",
+        ] {
+            assert!(told.contains(of_spring), "{of_spring}: {told}");
+        }
+    }
 }

@@ -17,6 +17,16 @@ pub const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
         Some(4),
         &["not well-formed XML", "entity reference loop"],
     ),
+    (
+        "latin_1",
+        Some(3),
+        &["the byte 0xf6", "is not UTF-8", "encoding=\"ISO-8859-1\""],
+    ),
+    (
+        "unknown_encoding",
+        Some(1),
+        &["\"klingon\"", "save it as UTF-8"],
+    ),
     ("not_a_robot", Some(3), &["<sdf>", "<robot>"]),
     ("no_links", None, &["no links"]),
     (

@@ -12,7 +12,7 @@ use truecut_discrepancy::identify::impact::impact;
 use truecut_discrepancy::identify::modes::{ModesReport, against_model};
 use truecut_discrepancy::identify::readings::readings;
 use truecut_discrepancy::identify::stiffness::{self, StiffnessReport};
-use truecut_discrepancy::identify::tool::{ToolError, tool_modes};
+use truecut_discrepancy::identify::tool::{ToolError, doubt_of_units, tool_modes};
 use truecut_discrepancy::identify::{IdentifyError, modal};
 use truecut_recording::measured::Table;
 use truecut_scenario::Identification;
@@ -99,6 +99,9 @@ fn of_modes(
             ToolError::Data(error) => refused(file, &error),
             ToolError::Arm(error) => Failure::identified_arm(file, error),
         })?;
+        let doubt = frfs.first();
+        let doubt = doubt.and_then(|frf| doubt_of_units(&report.tool, frf.kind));
+        report.notes.extend(doubt);
     }
     if let Some(updated) = stiffness.and_then(StiffnessReport::updated) {
         report.add_identified(&report_of(&arm.with_stiffness(&updated))?);

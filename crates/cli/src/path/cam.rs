@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use nalgebra::Point3;
 use serde_json::Value;
 use truecut::outputs::write_file;
 use truecut_arm::{JointKind, Robot};
@@ -11,6 +12,7 @@ use truecut_plan::program::{
     Dialect, Options, Program, ProgramError, Settings, Start, TravelOptions, dialect_named,
     maker_note, read_text,
 };
+use truecut_recording::significant;
 
 use super::cam_files::{Planned, record, seen, table};
 use super::cam_page;
@@ -21,7 +23,7 @@ use crate::exit_status::ExitStatus;
 use crate::failure::Failure;
 use crate::program::{RunThrough, replayed, run_through};
 use crate::progress::Progress;
-use crate::robot::{posture, slides_note, with_slides, without_tool};
+use crate::robot::{posture, slides_note, unless_gantry, with_slides, without_tool};
 
 /// What the tool of a path from CAM is called: of what kind it is no file says.
 pub const TOOL: &str = "tool";
@@ -43,7 +45,7 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
             _ => 1e-3,
         },
     };
-    let read = cam::read(&text, file, &options).map_err(|error| refused(file, &error, None))?;
+    let mut read = cam::read(&text, file, &options).map_err(|error| refused(file, &error, None))?;
     check_spin(cam, &read, file)?;
     let posture = start_posture(cam, &robot)?;
     let setup = WorkSetup {
@@ -55,6 +57,8 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         joint_share: cam.joint_speed.unwrap_or(0.25),
         zone_m: cam.zone_mm.map(|mm| mm * 1e-3),
     };
+    let note = place_note(cam, &robot, &setup, &read);
+    read.notes.extend(note);
     let slides_mm = cam.slide_mm.as_deref().unwrap_or_default();
     let way = BeforeArm {
         robot: &robot,
@@ -69,6 +73,25 @@ pub fn path(arguments: &PathArguments) -> Result<ExitStatus, Failure> {
         ),
     };
     way.planned(arguments, cell, dialect, &settings, head)
+}
+
+/// That the path runs within the arm's own foot, where a place in metres puts it.
+fn place_note(
+    cam: &CamArguments,
+    robot: &Robot,
+    setup: &WorkSetup,
+    read: &CamPath,
+) -> Option<String> {
+    let [x, y, z] = cam.work_xyz_mm?;
+    let places = read.points.iter();
+    let places = places.map(|point| setup.world_from_work * Point3::from(point.place_m));
+    let off_m = places.filter_map(|place| robot.within_foot_m(&place.coords));
+    let off_m = off_m.reduce(f64::min)?;
+    Some(format!(
+        "the path comes as near as {} mm to the origin of the arm, within its own foot: --work-xyz-mm {x},{y},{z} is \
+         in mm; was it given in metres?",
+        significant(1e3 * off_m, 2)
+    ))
 }
 
 /// A path before an arm.
@@ -156,6 +179,7 @@ impl BeforeArm<'_> {
         let program = cam::follow(start, robot, head, self.read, file, &self.setup, &travel);
         let mut program = program.map_err(|error| self.refused(file, &error))?;
         program.notes.extend(without_tool(robot));
+        program.notes.extend(robot.motion_doubts());
         program.notes.extend(maker_note(dialect, robot));
         program
             .notes
@@ -236,6 +260,7 @@ fn robot(cam: &CamArguments, file: &Path) -> Result<Robot, Failure> {
     })?;
     let robot = Robot::load_kinematics(urdf, cam.config.as_deref(), cam.tip.as_deref())
         .map_err(|error| Failure::arm(&error))?;
+    unless_gantry(&robot, urdf)?;
     let robot = with_slides(robot, cam.slide_mm.as_deref())?;
     match robot
         .chain

@@ -142,7 +142,7 @@ fn left_over(answer: &PlannedPath<'_>) -> [Vec<String>; 2] {
         row(
             "untouched",
             format!("{} %", significant(100.0 * untouched, 3)),
-            "of the face lies under no line's swath",
+            "of the face lies under no contact, corners at the ends of lines included that a wheel askew to the feed leaves",
         ),
     ]
 }
@@ -243,6 +243,9 @@ fn notes(answer: &PlannedPath<'_>) -> String {
     }
     for note in answer.clearance.iter().flat_map(Checked::notes) {
         text.push_str(&format!("  note: {note}\n"));
+    }
+    for doubt in answer.inputs.robot.motion_doubts() {
+        text.push_str(&format!("  note: {doubt}\n"));
     }
     let slides_m = &answer.job.robot.posture_m;
     if !slides_m.is_empty() {

@@ -42,6 +42,7 @@ pub fn program(arguments: &ProgramArguments) -> Result<ExitStatus, Failure> {
         .notes
         .extend(of_slides(arguments.slide_mm.as_deref()));
     program.notes.extend(without_tool(&robot));
+    program.notes.extend(robot.motion_doubts());
     let path = (arguments.path.as_ref())
         .map(|path| deviation::path_of(path, robot.dof()))
         .transpose()?;

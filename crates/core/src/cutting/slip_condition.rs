@@ -185,8 +185,8 @@ mod tests {
         stored_lateral_n: Vector2::new(0.0, 0.0),
     };
 
-    /// `docs/physics/chamfering.md`, When a foot holds, at 1 mm and μ = 0.15: 0.295, 0.392, 0.455
-    /// MPa.
+    /// `docs/physics/chamfering.md`, When a foot holds, with 1 mm already cut and μ = 0.15: 0.295,
+    /// 0.392, 0.455 MPa; at the last tooth of a chamfer that is set to 1 mm: 0.280, 0.373, 0.432.
     #[test]
     fn verify_threshold_pressures_of_the_three_rules() {
         let c = cut(1.0);
@@ -194,6 +194,10 @@ mod tests {
         assert_eq!(mpa(c.paper_threshold_pa(1e-3, 0.15, AREA_M2)), 0.295);
         assert_eq!(mpa(c.exact_threshold_pa(1e-3, 0.15, 1.0, AREA_M2)), 0.392);
         assert_eq!(mpa(c.exact_threshold_pa(1e-3, 0.15, 0.0, AREA_M2)), 0.455);
+        let met_m = 1e-3 - 5e-5;
+        assert_eq!(mpa(c.paper_threshold_pa(met_m, 0.15, AREA_M2)), 0.28);
+        assert_eq!(mpa(c.exact_threshold_pa(met_m, 0.15, 1.0, AREA_M2)), 0.373);
+        assert_eq!(mpa(c.exact_threshold_pa(met_m, 0.15, 0.0, AREA_M2)), 0.432);
     }
 
     /// `docs/physics/chamfering.md`, When a foot holds: the exact pressure is 1.31–1.42 (η = 1) to

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::{UnitVector3, Vector3};
 
-use super::apt_words::{IDLE, REFUSED, UNIT_WITHIN, numbers};
+use super::apt_words::{IDLE, REFUSED, System, UNIT_WITHIN, numbers};
 use super::gap::Gaps;
 use super::spindle::{SpindleTurn, SpindleWord};
 use super::{
@@ -33,6 +33,7 @@ struct AptReader<'a> {
     circle: Option<(Vector3<f64>, UnitVector3<f64>, f64)>,
     ended: bool,
     gaps: Gaps,
+    system: System,
 }
 
 /// Reads APT.
@@ -53,6 +54,7 @@ pub(super) fn read(text: &str, file: &Path, options: &CamOptions) -> Result<CamP
         circle: None,
         ended: false,
         gaps: Gaps::default(),
+        system: System::default(),
     };
     let at = |line: usize, kind| ProgramError::in_file(file, line, kind);
     let mut open: Option<(usize, String)> = None;
@@ -144,6 +146,12 @@ impl AptReader<'_> {
             "GOHOME" | "RETRCT" => {
                 self.gaps
                     .leave(&mut self.path, &mut self.notes, &word, line);
+            }
+            "MSYS" => {
+                let has_points = !self.path.points.is_empty();
+                self.system.take(&parts, line, has_points)?;
+                self.notes
+                    .add(line, "MSYS is left aside: it is the work frame");
             }
             "MULTAX" => self.multiaxis = first != "OFF",
             "FEDRAT" => self.feed(&parts)?,

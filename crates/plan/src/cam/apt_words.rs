@@ -17,7 +17,6 @@ pub(super) const IDLE: &[&str] = &[
     "TLDATA",
     "TOOL PATH",
     "PAINT",
-    "MSYS",
     "OPSTOP",
     "STOP",
     "DELAY",
@@ -48,6 +47,49 @@ pub(super) const REFUSED: [(&str, &str); 6] = [
     ("MACRO", "subprograms"),
     ("COPY", "copies"),
 ];
+
+/// By how much numbers of one coordinate system may differ where it is said again.
+const SAME_SYSTEM: f64 = 1e-6;
+
+/// The coordinate system that points are in, as MSYS says it, with its line.
+#[derive(Default)]
+pub(super) struct System(Option<(usize, Vec<String>)>);
+
+impl System {
+    /// Takes what MSYS says. It is the work frame; points in two of them would have to be turned
+    /// and moved against each other.
+    pub fn take(
+        &mut self,
+        parts: &[&str],
+        line: usize,
+        has_points: bool,
+    ) -> Result<(), ProgramErrorKind> {
+        let before = self.0.as_ref();
+        if before.is_some_and(|(_, known)| is_same(known, parts)) {
+            return Ok(());
+        }
+        if has_points {
+            let place = before.map_or("before the first point".to_owned(), |(line, _)| {
+                format!("that of line {line}")
+            });
+            let rule =
+                format!("{place}: one is read, the work frame; post others to files of their own");
+            let what = "the coordinate system MSYS";
+            return Err(ProgramErrorKind::value(what, parts.join(","), rule));
+        }
+        self.0 = Some((line, parts.iter().map(|part| (*part).to_owned()).collect()));
+        Ok(())
+    }
+}
+
+fn is_same(known: &[String], parts: &[&str]) -> bool {
+    let number = |text: &str| text.parse::<f64>().ok();
+    let agree = |(a, b): (&String, &&str)| match (number(a), number(b)) {
+        (Some(a), Some(b)) => (a - b).abs() <= SAME_SYSTEM,
+        _ => a.eq_ignore_ascii_case(b),
+    };
+    known.len() == parts.len() && known.iter().zip(parts).all(agree)
+}
 
 /// Numbers after the slash.
 pub(super) fn numbers<const N: usize>(

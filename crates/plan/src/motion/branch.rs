@@ -2,9 +2,7 @@
 //! posture.
 
 use nalgebra::Isometry3;
-use truecut_arm::{
-    ArmBranch, Elbow, FrameId, IkOptions, IkSolver, PathOptions, Robot, Shoulder, Wrist,
-};
+use truecut_arm::{ArmBranch, Elbow, FrameId, IkOptions, IkSolver, PathOptions, Shoulder, Wrist};
 
 use super::follow::{AtMm, FollowError, leaves};
 
@@ -89,25 +87,51 @@ pub fn on_a_branch(
     Err(furthest.map_or(FollowError::NoStart, |(_, error)| error))
 }
 
-/// Postures along poses of an arm without a closed form: each from the one before.
+/// Postures along poses of an arm without a closed form: each from the one before, the first from
+/// `posture`. Where that leads beyond limits, or the path cannot be followed from there, from the
+/// nearest posture within limits from which it can.
 ///
 /// # Errors
-/// At the first pose that is not reached.
+/// If no posture reaches the start; else where the start that gets furthest fails.
 pub fn from_posture_to_posture(
-    robot: &Robot,
+    solver: &IkSolver<'_>,
     posture: &[f64],
     poses: &[Isometry3<f64>],
     at_mm: &AtMm<'_>,
 ) -> Result<Vec<Vec<f64>>, FollowError> {
-    let mut seed = posture.to_vec();
-    let mut knots = Vec::with_capacity(poses.len());
-    for (k, pose) in poses.iter().enumerate() {
-        let found = robot.inverse_kinematics(pose, FrameId::Tool, &seed, &IkOptions::default());
-        seed = found.map_err(|error| FollowError::Unreachable {
-            at_mm: at_mm(k),
-            reason: error.to_string(),
-        })?;
-        knots.push(seed.clone());
+    let robot = solver.robot();
+    let led = robot.inverse_kinematics(&poses[0], FrameId::Tool, posture, &IkOptions::default());
+    let mut furthest: Option<(usize, FollowError)> = None;
+    let mut follow = |start: &[f64]| {
+        let followed = solver.follow(poses, FrameId::Tool, start, &PathOptions::default());
+        let failed = match followed {
+            Ok(knots) => return Some(knots),
+            Err(error) => leaves(error.kind(), at_mm),
+        };
+        if furthest.as_ref().is_none_or(|(best, _)| failed.0 > *best) {
+            furthest = Some(failed);
+        }
+        None
+    };
+    let unreached = match led {
+        Ok(start) => {
+            if let Some(knots) = follow(&start) {
+                return Ok(knots);
+            }
+            None
+        }
+        Err(error) => Some(error),
+    };
+    let starts = solver.starts_near(&poses[0], FrameId::Tool, posture);
+    if let Some(knots) = starts.iter().find_map(|start| follow(start)) {
+        return Ok(knots);
     }
-    Ok(knots)
+    Err(match (furthest, unreached) {
+        (Some((_, error)), _) => error,
+        (None, Some(error)) => FollowError::Unreachable {
+            at_mm: at_mm(0),
+            reason: error.to_string(),
+        },
+        (None, None) => FollowError::NoStart,
+    })
 }

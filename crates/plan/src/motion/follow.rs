@@ -24,10 +24,10 @@ pub enum FollowError {
     /// Inverse kinematics found nothing.
     #[error("{}: {reason}", cannot_follow(*.at_mm))]
     Unreachable { at_mm: f64, reason: String },
-    /// A joint would have to jump, in the unit of its coordinate.
+    /// A joint would have to jump, in deg or mm.
     #[error(
-        "{}: joint `{joint}` would have to move by {jump:.3} {unit} within {within_mm:.1} mm, more than \
-         {limit} {unit}: a singularity, or another branch",
+        "{}: joint `{joint}` would have to move by {jump:.2} {unit} within {within_mm:.1} mm, more than \
+         {limit:.2} {unit}: a singularity, a joint limit or another branch",
         cannot_follow(*.at_mm)
     )]
     Jump {
@@ -115,17 +115,21 @@ pub fn leaves(kind: &ArmErrorKind, at_mm: &AtMm<'_>) -> (usize, FollowError) {
             jump,
             limit,
             unit,
-        } => (
-            *index,
-            FollowError::Jump {
+        } => {
+            let (scale, unit) = match *unit {
+                "rad" => (1_f64.to_degrees(), "deg"),
+                _ => (1e3, "mm"),
+            };
+            let jump = FollowError::Jump {
                 at_mm: at_mm(*index),
                 within_mm: at_mm(*index) - at_mm(index.saturating_sub(1)),
                 joint: joint.clone(),
-                jump: *jump,
-                limit: *limit,
+                jump: jump * scale,
+                limit: limit * scale,
                 unit,
-            },
-        ),
+            };
+            (*index, jump)
+        }
         other => (0, FollowError::Arm(other.to_string())),
     }
 }

@@ -27,6 +27,9 @@ const LEAST_MOVE_S: f64 = 1e-9;
 /// 1e-6 of it.
 const LARGEST_TURN_RAD: f64 = 0.02;
 
+/// A knot of lines with its time, s.
+type TimedKnot = (f64, SVector<f64, 9>);
+
 /// A program that leads an arm.
 #[derive(Debug, Clone, Copy)]
 pub struct LedTask<'a> {
@@ -122,16 +125,16 @@ impl LedTask<'_> {
     }
 }
 
-/// A place on lines: of the tool in the base frame (m), its attitude as a quaternion, the index of
-/// the move that it is on, with the share of the way there, and the way from the first line (m).
+/// A place on lines: of the tool in the base frame (m), its attitude as a quaternion, the number of
+/// the line that it is on, with the share of the way there, and the way from the first line (m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Place(SVector<f64, 9>);
 
 impl Place {
-    fn new(pose: &Isometry3<f64>, at_move: f64, along_m: f64) -> Self {
+    fn new(pose: &Isometry3<f64>, at_line: f64, along_m: f64) -> Self {
         let (t, q) = (pose.translation.vector, pose.rotation);
         Self(SVector::from([
-            t.x, t.y, t.z, q.w, q.i, q.j, q.k, at_move, along_m,
+            t.x, t.y, t.z, q.w, q.i, q.j, q.k, at_line, along_m,
         ]))
     }
 
@@ -145,7 +148,7 @@ impl Place {
         Isometry3::from_parts(self.place_m().into(), attitude)
     }
 
-    fn at_move(&self) -> f64 {
+    fn at_line(&self) -> f64 {
         self.0[7]
     }
 
@@ -180,8 +183,8 @@ impl Growing<'_> {
     }
 
     fn along_lines(&mut self, range: RangeInclusive<usize>) -> Result<(), ProgramError> {
-        let (first, last) = (*range.start(), *range.end());
-        let knots = self.knots(range);
+        let last = *range.end();
+        let (ends, knots) = self.knots(range);
         if knots.len() < 2 {
             return Ok(());
         }
@@ -190,22 +193,28 @@ impl Growing<'_> {
         self.check_duration(before_s + trajectory.duration_s(), last)?;
         let sampled = trajectory.sampled(self.task.interval_s).into_iter();
         let places: Vec<Place> = sampled.map(Place).collect();
-        let postures = self.postures(&places)?;
+        let postures = self.postures(&places, &ends)?;
         self.motion.knots.extend(postures.into_iter().skip(1));
-        self.reach(last, before_s, &places);
-        self.look_off(&places, first, last);
+        self.reach(&ends, before_s, &places);
+        self.look_off(&places, &ends);
         Ok(())
     }
 
-    /// When the moves before the last one of lines are done; the places follow at even times.
-    fn reach(&mut self, last: usize, before_s: f64, places: &[Place]) {
+    /// When the moves before the last one of lines are done; the places follow at even times. What
+    /// leads nowhere is done with the move before.
+    fn reach(&mut self, ends: &[usize], before_s: f64, places: &[Place]) {
         let mut k = 0;
-        while self.motion.reached_s.len() < last {
-            let at = self.motion.reached_s.len() as f64;
-            while k + 2 < places.len() && places[k + 1].at_move() < at {
+        for (line, pair) in ends.windows(2).enumerate() {
+            let done_s = self.motion.reached_s[self.motion.reached_s.len() - 1];
+            self.motion.reached_s.resize(pair[1], done_s);
+            let at = (line + 1) as f64;
+            if line + 2 == ends.len() {
+                break;
+            }
+            while k + 2 < places.len() && places[k + 1].at_line() < at {
                 k += 1;
             }
-            let [from, to] = [k, k + 1].map(|k| places[k].at_move());
+            let [from, to] = [k, k + 1].map(|k| places[k].at_line());
             let share = if to > from {
                 (at - from) / (to - from)
             } else {
@@ -216,16 +225,14 @@ impl Growing<'_> {
         }
     }
 
-    /// Knots of the lines between these moves, with their times; the sign of a quaternion goes on
-    /// from knot to knot.
-    fn knots(&mut self, range: RangeInclusive<usize>) -> Vec<(f64, SVector<f64, 9>)> {
+    /// Knots of the lines between these moves, with their times, and the moves at whose poses the
+    /// lines begin and end: one that repeats the pose before is no line. The sign of a quaternion
+    /// goes on from knot to knot.
+    fn knots(&mut self, range: RangeInclusive<usize>) -> (Vec<usize>, Vec<TimedKnot>) {
         let moves = &self.task.program.moves;
         let (first, last) = (*range.start(), *range.end());
-        let start = Place::new(
-            &moves[first].base_from_tool,
-            first as f64,
-            self.motion.length_m,
-        );
+        let start = Place::new(&moves[first].base_from_tool, 0.0, self.motion.length_m);
+        let mut ends = vec![first];
         let mut knots = vec![(0.0, start.0)];
         for to in first + 1..=last {
             let [from, next] = [to - 1, to].map(|at| &moves[at]);
@@ -243,7 +250,8 @@ impl Growing<'_> {
                 let between = from_pose.try_lerp_slerp(to_pose, t, 1e-12);
                 let pose = between.filter(|_| t < 1.0).unwrap_or(*to_pose);
                 let along_m = self.motion.length_m + t * way_m;
-                let mut place = Place::new(&pose, from_index(to, t), along_m);
+                let at_line = (ends.len() - 1) as f64 + t;
+                let mut place = Place::new(&pose, at_line, along_m);
                 let before = knots[knots.len() - 1].1.fixed_rows::<4>(3).into_owned();
                 let mut quaternion = place.0.fixed_rows_mut::<4>(3);
                 if quaternion.dot(&before) < 0.0 {
@@ -252,8 +260,9 @@ impl Growing<'_> {
                 knots.push((begun_s + t * move_s, place.0));
             }
             self.motion.length_m += way_m;
+            ends.push(to);
         }
-        knots
+        (ends, knots)
     }
 
     /// How long a line takes by itself.
@@ -272,7 +281,7 @@ impl Growing<'_> {
     }
 
     /// Postures along lines, from the last one on.
-    fn postures(&self, places: &[Place]) -> Result<Vec<Vec<f64>>, ProgramError> {
+    fn postures(&self, places: &[Place], ends: &[usize]) -> Result<Vec<Vec<f64>>, ProgramError> {
         let (robot, program) = (self.task.robot, self.task.program);
         let flange = |place: &Place| program.world_from_flange(&place.pose());
         let poses: Vec<Isometry3<f64>> = places.iter().map(flange).collect();
@@ -282,10 +291,15 @@ impl Growing<'_> {
             seen.set(k);
             places[k].along_m() * 1e3
         };
-        let at = |error: FollowError| self.led_to(places[seen.get()].at_move(), error);
+        let to = |k: usize| ends[(places[k].at_line().ceil() as usize).min(ends.len() - 1)];
+        let at = |error: FollowError| self.led_to(to(seen.get()), error);
         let near = &self.motion.knots[self.motion.knots.len() - 1];
         let followed = (self.solver).follow(&poses, FrameId::Flange, near, &PathOptions::default());
-        let postures = followed.map_err(|error| at(cannot_follow(error.kind(), &at_mm).1))?;
+        let mut postures = followed.map_err(|error| at(cannot_follow(error.kind(), &at_mm).1))?;
+        // The arm stands where the motion before has left it: speeds are those from there.
+        if let Some(first) = postures.first_mut() {
+            first.clone_from(near);
+        }
         check_singularities(&self.solver, &postures, &at_mm).map_err(at)?;
         let advice = "lower the feed, or the share of the joints' speed on lines";
         let interval_s = self.task.interval_s;
@@ -293,24 +307,26 @@ impl Growing<'_> {
         Ok(postures)
     }
 
-    /// Keeps how far the blended places come off the lines of these moves.
-    fn look_off(&mut self, places: &[Place], first: usize, last: usize) {
+    /// Keeps how far the blended places come off the lines between the poses of these moves.
+    fn look_off(&mut self, places: &[Place], ends: &[usize]) {
         let moves = &self.task.program.moves;
-        let place = |at: usize| moves[at].base_from_tool.translation.vector;
+        let end = |at: usize| &moves[ends[at]];
+        let place = |at: usize| end(at).base_from_tool.translation.vector;
+        let last = ends.len() - 1;
         let around = (0.5 * WINDOW_S / self.task.interval_s).ceil() as usize + 1;
         for (k, one) in places.iter().enumerate() {
-            let low = places[k.saturating_sub(around)].at_move().floor() as usize;
-            let high = places[(k + around).min(places.len() - 1)].at_move().ceil() as usize;
-            let (low, high) = (low.clamp(first, last - 1), high.clamp(first + 1, last));
+            let low = places[k.saturating_sub(around)].at_line().floor() as usize;
+            let high = places[(k + around).min(places.len() - 1)].at_line().ceil() as usize;
+            let (low, high) = (low.min(last - 1), high.clamp(1, last));
             let near = (low..high.max(low + 1))
                 .map(|at| off_line(&one.place_m(), &place(at), &place(at + 1)));
             let off_m = near.fold(f64::INFINITY, f64::min);
             if off_m > self.motion.off.0 {
-                let at = (one.at_move().round() as usize).clamp(first, last);
-                self.motion.off = (off_m, moves[at].path_point);
+                let at = (one.at_line().round() as usize).min(last);
+                self.motion.off = (off_m, end(at).path_point);
             }
         }
-        let corners = (first + 1..last).map(|at| (self.short_of(at, places), moves[at].path_point));
+        let corners = (1..last).map(|at| (self.short_of(at, ends, places), end(at).path_point));
         let shortest = corners.max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some(short) = shortest.filter(|short| short.0 > self.motion.off.0) {
             self.motion.off = short;
@@ -319,10 +335,10 @@ impl Growing<'_> {
 
     /// By how much the blended places stay short of a corner at which the path turns back, along
     /// the line that leads there: on the lines themselves, so that nothing else tells.
-    fn short_of(&self, at: usize, places: &[Place]) -> f64 {
+    fn short_of(&self, at: usize, ends: &[usize], places: &[Place]) -> f64 {
         let moves = &self.task.program.moves;
         let [before, corner, after] =
-            [at - 1, at, at + 1].map(|at| moves[at].base_from_tool.translation.vector);
+            [at - 1, at, at + 1].map(|at| moves[ends[at]].base_from_tool.translation.vector);
         let Some(towards) = (corner - before).try_normalize(0.0) else {
             return 0.0;
         };
@@ -330,8 +346,8 @@ impl Growing<'_> {
             return 0.0;
         }
         let index = at as f64;
-        let low = places.partition_point(|one| one.at_move() < index - 1.0);
-        let high = places.partition_point(|one| one.at_move() <= index + 1.0);
+        let low = places.partition_point(|one| one.at_line() < index - 1.0);
+        let high = places.partition_point(|one| one.at_line() <= index + 1.0);
         let reached = places[low..high]
             .iter()
             .map(|one| towards.dot(&(one.place_m() - corner)));
@@ -342,20 +358,13 @@ impl Growing<'_> {
     fn check_duration(&self, duration_s: f64, at: usize) -> Result<(), ProgramError> {
         let advice = "a faster feed, or a part of the path";
         check_duration(duration_s, self.task.longest_s, advice)
-            .map_err(|error| self.led_to(at as f64, error))
+            .map_err(|error| self.led_to(at, error))
     }
 
-    fn led_to(&self, at_move: f64, error: FollowError) -> ProgramError {
-        let moves = &self.task.program.moves;
-        let at = (at_move.ceil().max(0.0) as usize).min(moves.len() - 1);
-        let path_point = moves[at].path_point;
+    fn led_to(&self, at: usize, error: FollowError) -> ProgramError {
+        let path_point = self.task.program.moves[at].path_point;
         ProgramErrorKind::NotLed { path_point, error }.into()
     }
-}
-
-/// Index of a place at this share of the way to a move.
-fn from_index(to: usize, share: f64) -> f64 {
-    (to - 1) as f64 + share
 }
 
 /// Distance of a place from a straight piece.

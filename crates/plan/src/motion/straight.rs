@@ -153,7 +153,7 @@ impl StraightPath {
                     let robot = robot.name.clone();
                     return Err(StraightPathError::NoBranches { word, robot });
                 }
-                from_posture_to_posture(robot, posture, &poses, &at_mm)
+                from_posture_to_posture(&solver, posture, &poses, &at_mm)
             }
             None => on_the_branch_of(posture, &solver, &poses, &at_mm),
             Some(start) => on_a_branch(start.wish(), posture, &solver, &poses, &at_mm),

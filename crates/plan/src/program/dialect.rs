@@ -37,6 +37,10 @@ pub trait Dialect: Debug + Sync {
     fn makers(&self) -> &'static [&'static str] {
         &[]
     }
+    /// Whether its controllers may be set to Japanese: comments are Shift-JIS then.
+    fn may_be_japanese(&self) -> bool {
+        false
+    }
     /// What its controllers limit that no URDF says, and so is not checked.
     fn limits_note(&self) -> Option<&'static str> {
         None

@@ -40,6 +40,7 @@
 #[cfg(any(test, feature = "contract"))]
 pub mod contract;
 mod dialect;
+mod encoding;
 mod error;
 mod euler;
 mod flags;
@@ -56,6 +57,7 @@ mod setup;
 #[cfg(test)]
 mod shipped_dialects;
 mod source;
+mod spare;
 mod start;
 mod travel;
 pub mod urscript;
@@ -143,21 +145,15 @@ pub fn maker_note(dialect: &dyn Dialect, robot: &Robot) -> Option<String> {
     })
 }
 
-/// Text of a program's file: UTF-8, or else Shift-JIS, as controllers set to Japanese write it.
+/// Text of a program's file or one from CAM: UTF-8, or else Windows-1252 (Latin-1) or Shift-JIS,
+/// as controllers and CAM systems set to other languages write their comments.
 ///
 /// # Errors
-/// If the file cannot be read, or is neither.
+/// If the file cannot be read, or is none of these; then with the line.
 pub fn read_text(file: &Path) -> std::io::Result<String> {
-    let bytes = truecut_files::read(file)?;
-    if let Ok(text) = std::str::from_utf8(&bytes) {
-        return Ok(text.trim_start_matches('\u{feff}').to_owned());
-    }
-    let (text, _, damaged) = encoding_rs::SHIFT_JIS.decode(&bytes);
-    if damaged {
-        let what = "the text is neither UTF-8 nor Shift-JIS";
-        return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, what));
-    }
-    Ok(text.into_owned())
+    let may_be_japanese = dialect_of(file).is_some_and(|one| one.may_be_japanese());
+    encoding::decoded(truecut_files::read(file)?, may_be_japanese)
+        .map_err(|what| std::io::Error::new(std::io::ErrorKind::InvalidData, what))
 }
 
 /// The dialect that a file's extension tells, upper or lower case.

@@ -9,6 +9,9 @@ use super::error::{FASTEST_M_PER_S, ProgramError, ProgramErrorKind};
 /// m and rad.
 const SAME_POSE: f64 = 1e-6;
 
+/// A line that leads no further than this, m and rad, is none: to rounding.
+const NO_WAY: f64 = 1e-9;
+
 /// The tool as a controller knows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tool {
@@ -103,7 +106,48 @@ pub struct Program {
     pub notes: Vec<String>,
 }
 
+impl Move {
+    /// Whether this is a line to where the move before has led already.
+    fn stands_still(&self, before: &Move) -> bool {
+        let [from, to] = [before, self].map(|step| &step.base_from_tool);
+        let apart_m = (to.translation.vector - from.translation.vector).norm();
+        let apart_rad = from.rotation.angle_to(&to.rotation);
+        let joints = self.posture.iter().zip(&before.posture);
+        matches!(self.motion, Motion::Linear { .. })
+            && self.turntable_rad == before.turntable_rad
+            && apart_m <= NO_WAY
+            && apart_rad <= NO_WAY
+            && joints.into_iter().all(|(a, b)| (a - b).abs() <= NO_WAY)
+    }
+}
+
 impl Program {
+    /// The program without lines that lead nowhere, as files from CAM have them that say a point
+    /// twice: a controller that blends would stop at one. Where such a line stops, the move before
+    /// does.
+    pub(super) fn without_standing_lines(&self) -> Program {
+        let mut moves: Vec<Move> = Vec::with_capacity(self.moves.len());
+        // Of each move, how many are kept before it.
+        let mut kept = Vec::with_capacity(self.moves.len());
+        for step in &self.moves {
+            kept.push(moves.len());
+            match moves.last_mut().filter(|before| step.stands_still(before)) {
+                Some(before) if step.zone == Zone::Stop => before.zone = Zone::Stop,
+                Some(_) => {}
+                None => moves.push(step.clone()),
+            }
+        }
+        let spindle = self.spindle.iter().map(|switch| SpindleSwitch {
+            before: kept.get(switch.before).copied().unwrap_or(moves.len()),
+            on: switch.on,
+        });
+        Program {
+            spindle: spindle.collect(),
+            moves,
+            ..self.clone()
+        }
+    }
+
     /// Switches of the spindle before a move.
     pub(crate) fn switches(&self, before: usize) -> impl Iterator<Item = bool> + '_ {
         let here = move |one: &&SpindleSwitch| one.before == before;

@@ -10,6 +10,8 @@ use truecut_arm::{BranchOptions, FrameId, IkOptions, IkSolver, Robot};
 use super::error::{MOST_POINTS, ProgramError, ProgramErrorKind, SLOWEST};
 use super::flags::{Flags, Resolver};
 use super::moves::{Motion, Move, Program, Zone};
+use super::spare::line_end;
+use super::start::Start;
 use super::travel::{outside, rated_chain};
 use crate::arc::Arc;
 
@@ -127,9 +129,13 @@ pub(super) fn follow(
         };
         if let (true, Some((pose, near))) = (columns[i].is_empty(), given) {
             let before = i.checked_sub(1).map(|k| columns[k].as_slice());
+            let led = before.filter(|_| near.is_none()).and_then(|before| {
+                let from = steps[i - 1].pose(&head, robot);
+                led_on_a_line(&head, &solver, steps[i].motion, [&from, pose], before)
+            });
             let near = near.as_deref().or(before).unwrap_or_default();
             let flange = head.world_from_flange(pose);
-            let found = unflagged(robot, &solver, &flange, near, points[i]);
+            let found = led.map_or_else(|| unflagged(robot, &solver, &flange, near, points[i]), Ok);
             columns[i] = found.map_err(|kind| ProgramError::in_file(path, steps[i].line, kind))?;
         }
     }
@@ -268,12 +274,38 @@ fn unflagged(
             nearest(robot, solver, world_from_flange, before, path_point)?,
         )]);
     }
+    if robot.has_joints_to_spare() {
+        // Samples of a continuum would lead on to others: one stands for all.
+        let rest = Start::AtRest.posture(robot);
+        let starts = solver.starts_near(world_from_flange, FrameId::Flange, &rest);
+        if let Some(start) = starts.into_iter().next() {
+            return Ok(vec![(0.0, start)]);
+        }
+    }
     let all = solver.within_limits(world_from_flange, FrameId::Flange);
     if all.is_empty() {
         let branches = solver.branches(world_from_flange, FrameId::Flange);
         return Err(outside(robot, path_point, world_from_flange, &branches));
     }
     Ok(all.into_iter().map(|q| (0.0, q)).collect())
+}
+
+/// Where a line leads an arm with joints to spare from its one posture before; `None` of other
+/// moves and arms.
+fn led_on_a_line(
+    head: &Program,
+    solver: &IkSolver,
+    motion: Motion,
+    ends: [&Isometry3<f64>; 2],
+    before: &[(f64, Vec<f64>)],
+) -> Option<Column> {
+    let ([(_, before)], Motion::Linear { .. }) = (before, motion) else {
+        return None;
+    };
+    let frames = [&head.tool.flange_from_tool, &head.world_from_base];
+    let led = solver.robot().has_joints_to_spare();
+    let end = led.then(|| line_end(solver, frames, ends, before).ok());
+    end.flatten().map(|q| vec![(0.0, q)])
 }
 
 /// The posture within limits nearest to another one.

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Isometry3;
 use rayon::prelude::*;
-use truecut_arm::{BranchOptions, FrameId, IkSolver, Robot};
+use truecut_arm::{BranchOptions, FrameId, IkSolver, PathOptions, Robot};
 
 use super::inspect::{Finding, FindingKind, ON_THE_SPOT_M, too_near};
 use super::moves::{Motion, Move, Program};
@@ -227,12 +227,7 @@ impl Program {
             // Half a turn has no shortest way; its end is looked at then.
             let pose = from.try_lerp_slerp(to, t, 1e-9).unwrap_or(*to);
             let flange = self.world_from_flange(&pose);
-            let found = solver.within_limits(&flange, FrameId::Flange);
-            let apart = |q: &Vec<f64>| largest_motion_rad(q, &last);
-            let nearest = found
-                .into_iter()
-                .min_by(|a, b| apart(a).total_cmp(&apart(b)));
-            let Some(posture) = nearest else {
+            let Some(posture) = next_posture(solver, &flange, &last) else {
                 leg.find(robot, step, 0, FindingKind::LeavesReach { share: t });
                 return leg;
             };
@@ -261,6 +256,24 @@ impl Program {
         }
         leg
     }
+}
+
+/// The posture at the next place of a line: the nearest of all, or, of an arm with joints to spare,
+/// the one that the posture before leads to.
+fn next_posture(
+    solver: &IkSolver<'_>,
+    world_from_flange: &Isometry3<f64>,
+    before: &[f64],
+) -> Option<Vec<f64>> {
+    if solver.robot().has_joints_to_spare() {
+        let next = std::slice::from_ref(world_from_flange);
+        let led = solver.follow(next, FrameId::Flange, before, &PathOptions::default());
+        return led.ok()?.pop();
+    }
+    let apart = |q: &Vec<f64>| largest_motion_rad(q, before);
+    let found = solver.within_limits(world_from_flange, FrameId::Flange);
+    let found = found.into_iter();
+    found.min_by(|a, b| apart(a).total_cmp(&apart(b)))
 }
 
 /// A line arrives in the posture of its end if all joints do to this, rad: what the inverse

@@ -7,6 +7,7 @@ use truecut_arm::{BranchOptions, FrameId, IkSolver, Joint, JointKind, Robot};
 use super::error::ProgramError;
 use super::moves::{Motion, PathPoint};
 use super::replay::ReplayOptions;
+use super::spare::led_along;
 use super::travel::{Route, TravelOptions, chain, distance, flange_at, survey};
 
 /// Costs that differ by less are one: postures that mirror each other, to rounding.
@@ -17,7 +18,7 @@ const SAME_POSTURE_RAD: f64 = 1e-6;
 const WITHIN_LIMITS_RAD: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// A joint turns by less between two places of a line: another branch of the wrist or of the
 /// shoulder lies half a turn away.
-const OTHER_BRANCH_RAD: f64 = std::f64::consts::FRAC_PI_2;
+pub(super) const OTHER_BRANCH_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
 /// What the first posture of a path shall lie near to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +44,15 @@ impl Start<'_> {
             ((q - near) / half).powi(2)
         });
         each.sum()
+    }
+
+    /// What a posture shall lie near to.
+    pub(super) fn posture(&self, robot: &Robot) -> Vec<f64> {
+        let middles = || robot.chain.joints.iter().map(|one| middle_and_half(one).0);
+        match self {
+            Start::AtRest => middles().collect(),
+            Start::Near(posture) => posture.to_vec(),
+        }
     }
 
     /// Costs by their order; those that are equal to rounding have the same place in it.
@@ -79,8 +89,10 @@ fn middle_and_half(joint: &Joint) -> (f64, f64) {
 /// Postures along points of which all but the first are reached on lines: from the start of least
 /// [cost](Start::cost) from which the arm keeps its limits all along the lines, whole turns
 /// included. If there is none: from the one that gets furthest, so that running through the program
-/// tells what stops it. Of an arm without a closed form, and of a path that has moves by joints,
-/// the points alone are looked at. `frames` are the tool in the flange and the base in the world.
+/// tells what stops it. Of an arm of six joints without a closed form, and of a path that has moves
+/// by joints, the points alone are looked at; one with joints to spare is led along the lines from
+/// starts that lie as near as they can to what is asked for. `frames` are the tool in the flange
+/// and the base in the world.
 ///
 /// # Errors
 /// As [`shortest_travel`](super::shortest_travel).
@@ -92,6 +104,9 @@ pub fn along_lines(
     options: &TravelOptions,
 ) -> Result<Vec<Vec<f64>>, ProgramError> {
     let solver = robot.ik_solver(&BranchOptions::default());
+    if robot.has_joints_to_spare() {
+        return led_along(&solver, frames, points, start, options);
+    }
     let columns = survey(robot, &solver, frames, points, options)?;
     let Some(first) = columns.first() else {
         return Ok(Vec::new());
@@ -127,7 +142,8 @@ pub fn along_lines(
 /// As [`along_lines`], along runs of lines to which the arm goes by joints: each run begins in the
 /// posture of least cost from the end of the one before, if there is one from which all joints stay
 /// half a degree within their limits, which an arm that gives way needs. Where a run cannot be
-/// followed from any, and of an arm without a closed form, the points alone are looked at.
+/// followed from any, and of an arm of six joints without a closed form, the points alone are
+/// looked at.
 ///
 /// # Errors
 /// As [`shortest_travel`](super::shortest_travel).
@@ -139,6 +155,9 @@ pub fn along_runs(
     options: &TravelOptions,
 ) -> Result<Vec<Vec<f64>>, ProgramError> {
     let solver = robot.ik_solver(&BranchOptions::default());
+    if robot.has_joints_to_spare() {
+        return led_along(&solver, frames, points, start, options);
+    }
     let columns = survey(robot, &solver, frames, points, options)?;
     let Some(first) = columns.first() else {
         return Ok(Vec::new());
@@ -178,7 +197,7 @@ pub fn along_runs(
     chain(robot, points, &columns, begun, options)
 }
 
-fn is_line(point: &PathPoint) -> bool {
+pub(super) fn is_line(point: &PathPoint) -> bool {
     matches!(point.motion, Motion::Linear { .. })
 }
 

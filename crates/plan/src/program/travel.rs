@@ -8,6 +8,7 @@ use truecut_arm::{BranchOptions, FrameId, IkSolver, Robot};
 
 use super::error::{ProgramError, ProgramErrorKind};
 use super::moves::{Motion, Move, PathPoint, Program, Tool, Zone};
+use super::spare::led_along;
 use super::start::Start;
 use crate::singularity::SingularityLimits;
 
@@ -109,7 +110,9 @@ impl Route {
 /// limits. Without a posture before the first (`start`) the path begins in the posture of least
 /// [cost](Start::cost) from which all points are reached, [`Start::AtRest`]. From there, the sum of
 /// the distances from point to point (root of the sum of squared joint motions) is least, the way
-/// from `start` included. Found by dynamic programming, so no other choice is shorter.
+/// from `start` included. Found by dynamic programming, so no other choice is shorter. An arm with
+/// joints to spare has a continuum of postures at each point: it is led along the lines by steps of
+/// least length, from the start nearest to what is asked for.
 ///
 /// # Errors
 /// At the first point that is out of reach, within no limits, singular in all postures, or to which
@@ -124,6 +127,10 @@ pub fn shortest_travel(
 ) -> Result<Vec<Vec<f64>>, ProgramError> {
     let solver = robot.ik_solver(&BranchOptions::default());
     let frames = [flange_from_tool, world_from_base];
+    if robot.has_joints_to_spare() {
+        let start = start.map_or(Start::AtRest, Start::Near);
+        return led_along(&solver, frames, points, start, options);
+    }
     let columns = survey(robot, &solver, frames, points, options)?;
     let Some(first) = columns.first() else {
         return Ok(Vec::new());
@@ -222,7 +229,7 @@ pub(super) fn rated_chain(columns: &[Vec<(f64, Vec<f64>)>]) -> Vec<Vec<f64>> {
 }
 
 /// Postures at a point that keep limits and distances.
-fn candidates(
+pub(super) fn candidates(
     robot: &Robot,
     solver: &IkSolver,
     path_point: usize,

@@ -295,6 +295,48 @@ fn ls_in_the_style_of_its_documentation() {
     check(&[("job.LS", &text)], "4", &said);
 }
 
+/// What a position leaves out stays as it was; a move by so much goes from the point before, in the
+/// base frame or in the tool's; a circle takes no attitude of its auxiliary point.
+#[test]
+fn krl_positions_in_part_are_those_of_the_point_before() {
+    let job = |body: &str| format!("{KRL_HEAD}$VEL.CP=0.2\n{body}\nEND\n");
+    let text = job(
+        "PTP {A1 0,A2 0,A3 0,A4 0,A5 90,A6 0}\nPTP {A1 10}\nPTP {A1 0}\nLIN {X 900,Y 0,Z 700,A 0,B 90,C 180}\n\
+         LIN {Y 50}\nLIN_REL {Z 20}\nLIN_REL {X 10} C_DIS #TOOL\nLIN {X 880,Y 0}",
+    );
+    let (sine, cosine) = 10_f64.to_radians().sin_cos();
+    let upright = [1000.0, 0.0, 1275.0];
+    let said = Said {
+        places_mm: &[
+            upright,
+            [1000.0 * cosine, 1000.0 * sine, 1275.0],
+            upright,
+            [900.0, 0.0, 700.0],
+            [900.0, 50.0, 700.0],
+            [900.0, 50.0, 720.0],
+            // The tool's x points down.
+            [900.0, 50.0, 710.0],
+            [880.0, 0.0, 710.0],
+        ],
+        speeds: &[1.0, 1.0, 1.0, 200.0, 200.0, 200.0, 200.0, 200.0],
+        switches: &[],
+        noted: &[],
+    };
+    check(&[("job.src", &text)], "1", &said);
+    let first = "LIN {X 900,Y 0,Z 700,A 0,B 90,C 180}\n";
+    let circle = |points: &str| {
+        let text = job(&format!("{first}CIRC {points}"));
+        read(&[("job.src", &text)], "1").unwrap_or_else(|error| panic!("{points}: {error}"))
+    };
+    let whole = circle("{X 910,Y 10,Z 700,A 0,B 90,C 180},{X 900,Y 20,Z 700,A 0,B 90,C 180}");
+    for points in [
+        "{X 910,Y 10,Z 700},{X 900,Y 20,Z 700,A 0,B 90,C 180}",
+        "{X 910,Y 10},{X 900,Y 20}",
+    ] {
+        assert_eq!(circle(points).moves, whole.moves, "{points}");
+    }
+}
+
 #[test]
 fn rapid_in_the_style_of_its_documentation() {
     let module = |body: &str| {
@@ -357,7 +399,7 @@ fn what_would_be_misread_is_refused() {
     let rail = position("UF : 1, UT : 1", ",\n E1= 100.000 mm");
     let frames = "1: UFRAME_NUM=1 ;\n2: UTOOL_NUM=1 ;\n3:J P[1] 10% FINE ;\n";
     let job = |body: &str| format!("DEF job ( )\n{body}\nEND\n");
-    let cases: [(&str, String, usize, &[&str]); 9] = [
+    let cases: [(&str, String, usize, &[&str]); 12] = [
         ("a.LS", ls(&format!("{frames}4: UFRAME_NUM=2 ;\n5:L P[2] 10mm/sec FINE ;\n"), &[&plain, &other]), 11, &["UFRAME_NUM is 2", "one frame"]),
         ("b.LS", ls(frames, &[&other]), 10, &["UF of the position", "is 2", "by UFRAME_NUM"]),
         ("c.LS", ls(frames, &[&other_tool]), 10, &["UT of the position", "by UTOOL_NUM"]),
@@ -365,6 +407,9 @@ fn what_would_be_misread_is_refused() {
         ("e.src", job("PTP_REL {A1 10}"), 2, &["`PTP_REL` is not read", "from where the arm stands"]),
         ("f.src", job("XP1={X 1,Y 2,Z 3,A 0,B 0,C 0}\nXP1.X=XP1.X+10"), 3, &["`XP1.X` is not read", "calculated"]),
         ("g.src", job("$BASE=BASE_DATA[1]\nPTP {X 850,Y 0,Z 700,A 0,B 90,C 180}\n$BASE=BASE_DATA[2]"), 4, &["$BASE is BASE_DATA[2]", "one frame"]),
+        ("j.src", job("$VEL.CP=0.1\nPTP {A1 0,A2 0,A3 0,A4 0,A5 90,A6 0}\nLIN_REL {Z 20}"), 4, &["`LIN_REL` is not read", "no position in X to C"]),
+        ("k.src", job("$VEL.CP=0.1\nLIN {X 850,Y 0,Z 700,A 0,B 90,C 180}\nLIN_REL {A 10}"), 4, &["`A of LIN_REL` is not read", "a turn"]),
+        ("l.src", job("$VEL.CP=0.1\nLIN {X 850,Y 0}"), 3, &["a position", "one with Z"]),
         ("h.src", job("MY_PART()"), 2, &["`MY_PART` is not read", "a subprogram"]),
         (
             "I.JBI",

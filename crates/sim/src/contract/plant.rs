@@ -138,6 +138,7 @@ fn robot(joints: Vec<Joint>, links: Vec<Link>, frames: [Isometry3<f64>; 3]) -> R
             base: link("base".into(), 0.0, Matrix3::zeros()),
             tip: "tip".into(),
             notes: Vec::new(),
+            motion_doubts: Vec::new(),
             estimated_masses: Vec::new(),
             placeholders: None,
         },

@@ -20,6 +20,7 @@ mod pressing;
 mod quantity;
 mod replay;
 mod setup;
+mod soft;
 mod step_cache;
 mod surface_polish;
 mod teeth;
@@ -42,6 +43,7 @@ pub use quantity::Quantity;
 pub use replay::{ForceSamples, Replay};
 pub use setup::{ProcessSetup, SetupContext, tells_unfinished};
 pub(crate) use setup::{ReadPart, StandingPart, cut_short};
+pub(crate) use soft::soft_note;
 pub use surface_polish::{SurfacePolish, SurfacePolishSetup};
 pub use wheel::Wheel;
 

@@ -25,6 +25,7 @@ use super::in_scenario;
 use crate::build::in_context;
 use crate::error::SimError;
 use crate::process::path_milling::along::{CutPlace, CutPlaces, places};
+use crate::process::soft_note;
 use crate::robots::Robots;
 use crate::run::{Run, RunError};
 
@@ -266,7 +267,7 @@ impl Study<'_> {
 
     /// What a reader of limits should know.
     pub fn notes(&self, places: &[CutPlace]) -> Result<Vec<String>, SimError> {
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = soft_note(&self.spec.coefficients).into_iter().collect();
         if self.spec.cutter.helix_angle_rad != 0.0 {
             notes.push("limits are those of straight edges".to_owned());
         }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use truecut_core::chatter::growth::NOISE;
 use truecut_plan::lobes::Lobes;
 use truecut_recording::Scalar;
 use truecut_scenario::{ProcessSpec, Scenario};
@@ -105,6 +106,8 @@ fn one(
     let chatters = match &end.outcome {
         end if !end.reached_end() => Some(true),
         _ if level > study.linear_share() && !fallen => Some(true),
+        // Nothing vibrates.
+        _ if growth_per_s.is_nan() && level < NOISE * study.linear_share() => Some(false),
         _ => growth_per_s.is_finite().then_some(growth_per_s > 0.0),
     };
     Ok(StabilityRun {

@@ -90,6 +90,10 @@ impl Dialect for Jbi {
         &["motoman", "yaskawa"]
     }
 
+    fn may_be_japanese(&self) -> bool {
+        true
+    }
+
     /// Half of the last decimals: 0.001 mm on three axes, 0.0001° of three angles (√5 of half of it
     /// where two turn about one axis), 0.1 mm/s, 0.01 %.
     fn resolution(&self) -> Resolution {

@@ -1,8 +1,10 @@
 //! Moves of KRL.
 
+use nalgebra::{Isometry3, Vector3};
+
 use super::StatusTurn;
 use super::read::KrlReader;
-use super::structures::{Numbers, bits, numbers, pose};
+use super::structures::{Numbers, bits, numbers, place, pose};
 use crate::program::flags::Flags;
 use crate::program::reading::{Goal, Step};
 use crate::program::source::LINE_END;
@@ -15,6 +17,35 @@ struct Endings {
     /// Of this move alone.
     speed_m_per_s: Option<f64>,
     share: Option<f64>,
+    /// Whether a move by so much is one along the tool's axes.
+    in_tool: bool,
+}
+
+/// Where a move goes.
+struct Target {
+    name: String,
+    numbers: Numbers,
+    /// A place that a circle goes through.
+    via: Option<Isometry3<f64>>,
+}
+
+/// What positions are given in.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Axes,
+    Pose,
+}
+
+const AXES: [&str; 6] = ["A1", "A2", "A3", "A4", "A5", "A6"];
+const POSE: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
+
+/// `None` of a position that holds further axes alone.
+fn kind_of(numbers: &Numbers) -> Option<Kind> {
+    let holds = |names: &[&str]| names.iter().any(|name| numbers.contains_key(*name));
+    if holds(&AXES) {
+        return Some(Kind::Axes);
+    }
+    holds(&POSE).then_some(Kind::Pose)
 }
 
 impl KrlReader<'_> {
@@ -38,23 +69,94 @@ impl KrlReader<'_> {
         let mut via = None;
         if verb == "CIRC" {
             let (_, numbers) = self.target()?;
-            via = Some(pose(&numbers).map_err(|kind| self.fault(kind))?);
+            let numbers = self.completed(numbers);
+            via = Some(place(&numbers).map_err(|kind| self.fault(kind))?);
             self.source.expect(&[","])?;
         }
-        let (name, target) = self.target()?;
+        let (name, numbers) = self.target()?;
+        let numbers = self.completed(numbers);
         if self.source.comes(",") {
             return Err(self.source.error(
                 line,
                 ProgramErrorKind::unexpected("an angle CA", "the end of the circle"),
             ));
         }
-        let Endings {
-            passes,
-            speed_m_per_s,
-            share,
-        } = self.endings(line)?;
-        let share = share.or(self.share);
-        let speed_m_per_s = speed_m_per_s.or(self.speed_m_per_s);
+        let endings = self.endings(line, false)?;
+        let target = Target { name, numbers, via };
+        self.step(verb, line, target, &endings)
+    }
+
+    /// `LIN_REL {Z 20}`: along a line, by so much in the base frame, or with #TOOL in the tool's.
+    pub(super) fn relative(&mut self, verb: &str, line: usize) -> Result<(), ProgramError> {
+        let (_, by) = self.target()?;
+        let turned = by
+            .iter()
+            .find(|(part, by)| !"XYZ".contains(part.as_str()) && **by != 0.0);
+        if let Some((part, _)) = turned {
+            let why = "a turn, or a further axis, from where the arm stands";
+            let kind = ProgramErrorKind::not_read(&format!("{part} of {verb}"), why);
+            return Err(self.source.error(line, kind));
+        }
+        let known = self
+            .last
+            .clone()
+            .filter(|last| kind_of(last) == Some(Kind::Pose));
+        let Some(mut numbers) = known else {
+            let why =
+                "a move from where the arm stands, and no position in X to C stands before it";
+            return Err(self
+                .source
+                .error(line, ProgramErrorKind::not_read(verb, why)));
+        };
+        let endings = self.endings(line, true)?;
+        let part = |name: &str| by.get(name).copied().unwrap_or_default();
+        let mut by = Vector3::new(part("X"), part("Y"), part("Z"));
+        if endings.in_tool {
+            by = pose(&numbers).map_err(|kind| self.fault(kind))?.rotation * by;
+        }
+        for (part, by) in ["X", "Y", "Z"].into_iter().zip(by.iter()) {
+            *numbers.entry(part.to_owned()).or_default() += by;
+        }
+        // It turns no joint the long way round: the posture is the one next to that before.
+        numbers.remove("S");
+        let target = Target {
+            name: String::new(),
+            numbers,
+            via: None,
+        };
+        self.step("LIN", line, target, &endings)
+    }
+
+    /// What a position leaves out is that of the point before.
+    fn completed(&self, mut target: Numbers) -> Numbers {
+        let Some(last) = &self.last else {
+            return target;
+        };
+        let kind = kind_of(last);
+        if kind_of(&target).is_some_and(|own| kind != Some(own)) {
+            return target;
+        }
+        let parts = match kind {
+            Some(Kind::Axes) => &AXES,
+            _ => &POSE,
+        };
+        for part in parts {
+            if let Some(value) = last.get(*part) {
+                target.entry((*part).to_owned()).or_insert(*value);
+            }
+        }
+        target
+    }
+
+    fn step(
+        &mut self,
+        verb: &str,
+        line: usize,
+        target: Target,
+        endings: &Endings,
+    ) -> Result<(), ProgramError> {
+        let share = endings.share.or(self.share);
+        let speed_m_per_s = endings.speed_m_per_s.or(self.speed_m_per_s);
         let motion = match (verb, share, speed_m_per_s) {
             // What BAS sets when a program starts.
             ("PTP", share, _) => Motion::Joint {
@@ -66,11 +168,12 @@ impl KrlReader<'_> {
                 return Err(self.source.error(line, kind));
             }
         };
-        let goal = self.goal(&target).map_err(|kind| self.fault(kind))?;
+        let Target { name, numbers, via } = target;
+        let goal = self.goal(&numbers).map_err(|kind| self.fault(kind))?;
         if verb != "PTP" {
             self.check_attitude(&goal, line)?;
         }
-        self.further_axes(&target, line)?;
+        self.further_axes(&numbers, line)?;
         ProgramErrorKind::unless_too_many(self.steps.len() + 1)
             .map_err(|kind| self.source.error(line, kind))?;
         self.steps.push(Step {
@@ -80,13 +183,14 @@ impl KrlReader<'_> {
             via,
             with_tangent: false,
             motion,
-            zone: match (passes, self.zone_m) {
+            zone: match (endings.passes, self.zone_m) {
                 (false, _) => Zone::Stop,
                 (true, Some(zone_m)) if zone_m > 0.0 => Zone::Within(zone_m),
                 (true, _) => Zone::Unstated,
             },
-            turntable_rad: target.get("E1").map(|deg| deg.to_radians()),
+            turntable_rad: numbers.get("E1").map(|deg| deg.to_radians()),
         });
+        self.last = Some(numbers);
         Ok(())
     }
 
@@ -106,11 +210,13 @@ impl KrlReader<'_> {
     }
 
     /// What stands behind the target, to the end of the line.
-    fn endings(&mut self, line: usize) -> Result<Endings, ProgramError> {
+    fn endings(&mut self, line: usize, is_relative: bool) -> Result<Endings, ProgramError> {
         let wanted = "C_DIS, C_PTP, WITH or the end of the line";
         let mut found = Endings::default();
         while !self.source.comes(LINE_END) {
             match self.source.word(wanted)?.to_uppercase().as_str() {
+                "#BASE" if is_relative => found.in_tool = false,
+                "#TOOL" if is_relative => found.in_tool = true,
                 "C_DIS" | "C_PTP" | "C_VEL" | "C_ORI" | "C_SPL" => found.passes = true,
                 "WITH" => self.with(&mut found, line)?,
                 _ => return Err(self.source.unexpected(wanted)),
@@ -176,7 +282,7 @@ impl KrlReader<'_> {
     }
 
     fn goal(&self, target: &Numbers) -> Result<Goal, ProgramErrorKind> {
-        if target.contains_key("A1") {
+        if kind_of(target) == Some(Kind::Axes) {
             let joints = (1..=self.dof).map(|i| {
                 let deg = target.get(&format!("A{i}"));
                 let missing = || ProgramErrorKind::Fields {

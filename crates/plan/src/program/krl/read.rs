@@ -7,7 +7,7 @@ use nalgebra::Isometry3;
 use truecut_arm::Robot;
 
 use super::inline::ACTUAL;
-use super::structures::{Declared, TYPES, declared, read_data, typed};
+use super::structures::{Declared, Numbers, TYPES, declared, read_data, typed};
 use super::{SYNTAX, check_name};
 use crate::program::dialect::{Frames, ReadText, Settings};
 use crate::program::reading::{Goal, Notes, Step, follow};
@@ -33,7 +33,7 @@ const WANTED: &str = "PTP, LIN, CIRC, a variable of the system, BAS, WAIT or END
 /// not known before it runs.
 const CONTROL: &[&str] = &[
     "IF", "ELSE", "ENDIF", "FOR", "ENDFOR", "WHILE", "ENDWHILE", "LOOP", "ENDLOOP", "REPEAT",
-    "UNTIL", "SWITCH", "GOTO", "RETURN", "TRIGGER", "SPLINE", "PTP_REL", "LIN_REL", "CIRC_REL",
+    "UNTIL", "SWITCH", "GOTO", "RETURN", "TRIGGER", "SPLINE", "PTP_REL", "CIRC_REL",
 ];
 
 pub(super) struct KrlReader<'a> {
@@ -47,6 +47,8 @@ pub(super) struct KrlReader<'a> {
     pub notes: Notes,
     pub head: Program,
     pub steps: Vec<Step>,
+    /// The position of the last move, whole.
+    pub last: Option<Numbers>,
     /// Of tool and base, where the files do not hold them.
     pub given: [Isometry3<f64>; 2],
     /// Frames that are selected, by what they are for: the name, and whether the files hold it.
@@ -104,6 +106,7 @@ pub(super) fn read(
             notes: Vec::new(),
         },
         steps: Vec::new(),
+        last: None,
         given: [frames.tool.flange_from_tool, frames.world_from_base],
         selected: BTreeMap::new(),
         speed_m_per_s: None,
@@ -222,6 +225,7 @@ impl KrlReader<'_> {
             "PTP" | "LIN" | "CIRC" => self.motion(&upper, line)?,
             // Each alone a spline of one move: the same way.
             "SPTP" | "SLIN" | "SCIRC" => self.motion(&upper[1..], line)?,
+            "LIN_REL" | "SLIN_REL" => self.relative(&upper, line)?,
             "BAS" => self.bas(line)?,
             "$VEL" | "$APO" | "$VEL.CP" | "$APO.CDIS" => self.setting(&upper, line)?,
             "$TOOL" | "$BASE" => self.frame(&upper, line)?,

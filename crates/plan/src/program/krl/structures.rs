@@ -155,13 +155,21 @@ pub(super) fn bits(value: f64, what: &str) -> Result<u8, ProgramErrorKind> {
     Ok(value as u8)
 }
 
+fn part(numbers: &Numbers, name: &str) -> Result<f64, ProgramErrorKind> {
+    let found = numbers.get(name).copied();
+    found.ok_or_else(|| ProgramErrorKind::unexpected("a position", &format!("one with {name}")))
+}
+
 pub(super) fn pose(numbers: &Numbers) -> Result<Isometry3<f64>, ProgramErrorKind> {
-    let part = |name: &str| {
-        let found = numbers.get(name).copied();
-        found.ok_or_else(|| ProgramErrorKind::unexpected("a position", &format!("one with {name}")))
-    };
+    let part = |name: &str| part(numbers, name);
     Ok(pose_of(
         [part("X")?, part("Y")?, part("Z")?],
         [part("C")?, part("B")?, part("A")?],
     ))
+}
+
+/// The place alone: a circle goes through its auxiliary point at any attitude.
+pub(super) fn place(numbers: &Numbers) -> Result<Isometry3<f64>, ProgramErrorKind> {
+    let part = |name: &str| part(numbers, name);
+    Ok(pose_of([part("X")?, part("Y")?, part("Z")?], [0.0; 3]))
 }

@@ -24,6 +24,7 @@ pub(super) fn write(
 ) -> Result<Vec<ProgramFile>, ProgramError> {
     check_name(&program.name)?;
     program.check(robot)?;
+    let program = &program.without_standing_lines();
     let geometry =
         OpwGeometry::of(robot).ok_or_else(|| ProgramErrorKind::not_ortho_parallel(robot))?;
     let head = format!("DEFDAT {} PUBLIC", program.name);

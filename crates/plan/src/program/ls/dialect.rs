@@ -89,6 +89,10 @@ impl Dialect for Ls {
         )
     }
 
+    fn may_be_japanese(&self) -> bool {
+        true
+    }
+
     /// Half of the last decimals: 0.001 mm on three axes, 0.001° of three angles; speeds 0.1 mm/s
     /// and 1 %.
     fn resolution(&self) -> Resolution {

@@ -12,8 +12,10 @@ const ROUND: f64 = 1e-5;
 /// Another unit that a file may have.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SuspectedUnit {
+    /// "another unit" where it is none of those that are known.
     pub name: &'static str,
-    pub unit_m: f64,
+    /// Of a unit that is known.
+    pub unit_m: Option<f64>,
     pub why: String,
 }
 
@@ -24,16 +26,21 @@ const INCH: (&str, f64) = ("inch", 0.0254);
 pub(super) fn suspected(sides: &Vector3<f64>, unit_m: f64) -> Option<SuspectedUnit> {
     let longest = sides.max();
     let likely = |unit_m: f64| (LIKELY_M[0]..=LIKELY_M[1]).contains(&(longest * unit_m));
-    let suspect =
-        |(name, unit_m): (&'static str, f64), why: String| SuspectedUnit { name, unit_m, why };
+    let suspect = |(name, unit_m): (&'static str, f64), why: String| SuspectedUnit {
+        name,
+        unit_m: Some(unit_m),
+        why,
+    };
     if !likely(unit_m) {
         // The one that brings it closest to the middle of what is likely, in ratio.
         let middle_m = (LIKELY_M[0] * LIKELY_M[1]).sqrt();
         let far = |unit_m: f64| (longest * unit_m / middle_m).ln().abs();
         let others = [("m", 1.0), INCH, ("mm", 1e-3), ("µm", 1e-6)];
         let others = others.into_iter().filter(|(_, unit_m)| likely(*unit_m));
-        let other = others.min_by(|a, b| far(a.1).total_cmp(&far(b.1)))?;
         let size_mm = longest * unit_m * 1e3;
+        let Some(other) = others.min_by(|a, b| far(a.1).total_cmp(&far(b.1))) else {
+            return Some(of_no_size(size_mm));
+        };
         let why = format!("the longest side would be {size_mm:.4} mm as it is read");
         return Some(suspect(other, why));
     }
@@ -67,6 +74,19 @@ pub(super) fn suspected(sides: &Vector3<f64>, unit_m: f64) -> Option<SuspectedUn
     None
 }
 
+/// A part that is of a likely size in no unit: too small for every tool, or a landscape.
+fn of_no_size(size_mm: f64) -> SuspectedUnit {
+    let [least_mm, most_mm] = LIKELY_M.map(|m| 1e3 * m);
+    SuspectedUnit {
+        name: "another unit",
+        unit_m: None,
+        why: format!(
+            "the longest side would be {size_mm:.1e} mm as it is read, but parts that robots machine have {least_mm} \
+             to {most_mm} mm, and would have them in none of m, inches, mm and µm"
+        ),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,5 +107,15 @@ mod tests {
         assert_eq!(name([100.0, 60.0, 20.0], 0.0254), Some("mm"));
         assert_eq!(name([6.0, 2.25, 0.75], 0.0254), None);
         assert_eq!(name([36.0, 24.0, 2.5], 0.0254), None);
+        // Too small, and too large, in every unit: 0.12 µm and 120 km.
+        for (side, size) in [(1.2e-4, "1.2e-4 mm"), (1.2e8, "1.2e8 mm")] {
+            let told = suspected(&[side, 0.5 * side, 0.3 * side].into(), 1e-3).unwrap();
+            assert_eq!((told.name, told.unit_m), ("another unit", None));
+            assert!(
+                told.why.contains(size) && told.why.contains("5 to 10000 mm"),
+                "{}",
+                told.why
+            );
+        }
     }
 }

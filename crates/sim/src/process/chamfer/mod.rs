@@ -5,7 +5,7 @@ pub(crate) mod setup;
 
 use super::quantity;
 use super::step_cache::StepCache;
-use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState};
+use super::{ContactStiffness, Findings, Foot, FootParameters, Process, ToolState, soft_note};
 use crate::effect::CuttingEffects;
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use nalgebra::Vector3;
@@ -296,6 +296,11 @@ impl Process for Chamfer {
 
     fn keep_rows_only(&mut self) {
         self.surface = None;
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let coefficients = &self.parameters.cut.coefficients;
+        soft_note(coefficients).into_iter().collect()
     }
 
     fn finish(&mut self) -> Findings {

@@ -166,7 +166,7 @@ fn vibration(milling: &Milling, findings: &mut Findings) {
     findings.scalars.extend(quantity::scalars([
         Quantity::new("milling.growth_rate", Unit::PerSecond, rate_per_s)
             .text("Growth of vibration that does not repeat with the teeth, while it is small beside the feed per tooth (if it \
-             never is: as it is); negative: it dies away"),
+             never is: as it is); negative: it dies away; none: less than an atom, noise of computing"),
         Quantity::new("milling.vibration_level", Unit::Metre, level_m)
             .text("Change of the deflection from one tooth to the next (with runout: one revolution), root mean square at the end"),
         Quantity::new("milling.chatter_frequency", Unit::Hertz, line_hz)

@@ -4,7 +4,7 @@ use crate::error::SimError;
 use crate::loads::stacked;
 use crate::motion::straight;
 use crate::process::setup::Motion;
-use crate::process::{Milling, MillingSetup, ProcessSetup, SetupContext};
+use crate::process::{Milling, MillingSetup, ProcessSetup, SetupContext, soft_note};
 use crate::scene::{Tooling, shapes};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -214,14 +214,15 @@ fn parameters(spec: &MillingSpec) -> MillingParameters {
 /// What a reader should know of a cut.
 pub(crate) fn notes(cut: &NominalCut) -> Vec<String> {
     let (helix_rad, k) = (cut.cutter.helix_angle_rad, &cut.coefficients);
-    if helix_rad == 0.0 || k.axial_pa != 0.0 || k.edge_axial_n_per_m != 0.0 {
-        return Vec::new();
+    let mut notes: Vec<String> = soft_note(k).into_iter().collect();
+    if helix_rad != 0.0 && k.axial_pa == 0.0 && k.edge_axial_n_per_m == 0.0 {
+        notes.push(format!(
+            "the edges have a helix of {} degrees, but the coefficients have no axial part (axial_mpa): \
+             forces along the spindle are left out",
+            helix_rad.to_degrees()
+        ));
     }
-    vec![format!(
-        "the edges have a helix of {} degrees, but the coefficients have no axial part (axial_mpa): \
-         forces along the spindle are left out",
-        helix_rad.to_degrees()
-    )]
+    notes
 }
 
 /// Limits with the modes of arm, tool and workpiece, gravity aside.

@@ -80,7 +80,9 @@ impl Milling {
 /// A rule of the cut that vibration breaks.
 pub(super) fn broken_rule(cut: &MillingCut, at: &CutState) -> Option<&'static str> {
     if cut.turns_back(at) {
-        return Some("a tooth in the stock moves forwards; here paths of teeth loop");
+        return Some(
+            "teeth in the stock move forwards; here one moves backwards: paths of teeth loop",
+        );
     }
     (cut.is_off_the_surface(at)).then_some("a tool stays within its radius of the nominal surface")
 }

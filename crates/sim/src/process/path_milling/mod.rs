@@ -17,7 +17,7 @@ mod spindle;
 use super::modes::{self, Modes, TipMotion};
 use super::quantity;
 use super::teeth::averaged;
-use super::{ContactStiffness, Findings, Process, Start, ToolState};
+use super::{ContactStiffness, Findings, Process, Start, ToolState, soft_note};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use crate::stability::known::beyond_table;
 use kept::Kept;
@@ -337,6 +337,7 @@ impl Process for PathMilling {
         let spec = &self.setup.spec;
         beyond_table(&spec.attached, spec.spindle.fastest_rad_s())
             .into_iter()
+            .chain(soft_note(&spec.coefficients))
             .chain(self.of_the_file())
             .collect()
     }

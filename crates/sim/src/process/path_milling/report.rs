@@ -97,7 +97,7 @@ pub(super) fn broken_rule(milling: &PathMilling) -> String {
     let line = nearest.and_then(|(_, point)| setup.lines.get(point).copied().flatten());
     let line = line.map_or(String::new(), |line| format!(" (line {line} of the path)"));
     format!(
-        "a tooth in the stock moves forwards; at ({:.2}, {:.2}, {:.2}) mm{line} paths of teeth loop",
+        "teeth in the stock move forwards; at ({:.2}, {:.2}, {:.2}) mm{line} one moves backwards: paths of teeth loop",
         at.x * 1e3,
         at.y * 1e3,
         at.z * 1e3
