@@ -14,8 +14,10 @@ use super::frf::{Frf, noise};
 use super::{IdentifyError, at_row};
 use crate::stats::deviation;
 
-/// Allowed jitter, as a fraction of the sampling interval.
-const JITTER: f64 = 0.01;
+mod times;
+
+use times::{Rate, even_rate};
+
 /// Least force of a second blow inside a window, as a fraction of the first.
 const DOUBLE: f64 = 0.2;
 /// A response has decayed if its last tenth is at most this fraction of its first.
@@ -26,13 +28,15 @@ struct HammerSignals {
     rate_hz: f64,
     force: Vec<f64>,
     response: Vec<f64>,
+    /// On their times.
+    note: Option<String>,
 }
 
 /// The FRF of all blows in a table.
 ///
 /// # Errors
-/// Signals that are not uniform or hold gaps, times in an unknown unit or in another than is said,
-/// no blow, windows too short for the band.
+/// Signals that hold gaps or are not uniform beyond the rounding of their times, times in an
+/// unknown unit or in another than is said, no blow, windows too short for the band.
 pub fn impact(
     table: &Table,
     spec: &ImpactSpec,
@@ -100,6 +104,7 @@ pub fn impact(
         ),
     );
     notes.extend(time_note(table, &spec.times, spec.is_time_unit_said));
+    notes.extend(signals.note);
     found.notes = notes;
     found.check(band_hz, key)?;
     Ok(found)
@@ -120,18 +125,22 @@ fn signals(table: &Table, spec: &ImpactSpec, key: &str) -> Result<HammerSignals,
     };
     let force = read(&spec.force.column, spec.force.factor, "force")?;
     let response = read(&spec.response.column, spec.response.factor, "motion")?;
-    let rate_hz = match &spec.times {
-        TimeBase::Rate { hz } => *hz,
+    let rate = match &spec.times {
+        TimeBase::Rate { hz } => Rate {
+            hz: *hz,
+            note: None,
+        },
         TimeBase::Column { column: name, unit } => {
             let unit = unit_of_times(table, name, unit, spec.is_time_unit_said)
                 .map_err(|error| IdentifyError::new(unit_key(spec, key), error))?;
-            even_rate_hz(table, &read(name, unit.si_factor, "time")?, key)?
+            even_rate(table, &read(name, 1.0, "time")?, unit.si_factor, key)?
         }
     };
     Ok(HammerSignals {
-        rate_hz,
+        rate_hz: rate.hz,
         force,
         response,
+        note: rate.note,
     })
 }
 
@@ -162,26 +171,6 @@ fn assumed_unit(table: &Table, spec: &ImpactSpec) -> String {
             )
         },
     )
-}
-
-/// Rate of samples at `times`, s, which are evenly apart.
-fn even_rate_hz(table: &Table, times: &[f64], key: &str) -> Result<f64, IdentifyError> {
-    let steps = (times.len().max(2) - 1) as f64;
-    let span = times.last().zip(times.first()).map_or(0.0, |(b, a)| b - a);
-    let interval = span / steps;
-    let uneven = times
-        .windows(2)
-        .position(|pair| (pair[1] - pair[0] - interval).abs() > JITTER * interval);
-    if let Some(row) = uneven.or((span <= 0.0).then_some(0)) {
-        let message = format!(
-            "the next sample follows after {} s, but the mean interval is {} s; a spectrum needs \
-             equal intervals",
-            significant(times.get(row + 1).map_or(0.0, |next| next - times[row]), 6),
-            significant(interval, 6)
-        );
-        return Err(at_row(table, row, format!("{key}.time"), message));
-    }
-    Ok(1.0 / interval)
 }
 
 /// Samples at which blows begin: the force rises through the trigger after a time below it.

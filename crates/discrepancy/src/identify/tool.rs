@@ -18,6 +18,10 @@ use super::IdentifyError;
 use super::frf::Frf;
 use super::modal::{MeasuredMode, ModalFit};
 
+mod units;
+
+pub use units::doubt_of_units;
+
 /// Directions of which one has less than this part across the others are one direction.
 const SAME: f64 = 0.05;
 /// Where the blow strikes, a mode answers within so much of its phase: others would drive it.

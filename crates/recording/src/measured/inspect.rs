@@ -3,7 +3,7 @@
 
 use super::clocks::{HEADER_STAMP, LOG_TIME, delay_s, delays_s};
 use super::resample::JITTER;
-use super::times::{is_later, median_step_s, not_taken_for_times, time_column};
+use super::times::{is_later, median_step_s, not_taken_for_times, over_frequencies, time_column};
 use super::{Table, TimeBase};
 use crate::unit::UserUnit;
 
@@ -102,6 +102,7 @@ pub fn facts(table: &Table) -> TableFacts {
         }),
         notes: (table.notes.iter().cloned())
             .chain(not_taken_for_times(table))
+            .chain(over_frequencies(table))
             .collect(),
     }
 }

@@ -3,7 +3,7 @@
 use super::clocks::{HEADER_STAMP, LOG_TIME};
 use super::resample::median_interval_s;
 use super::time_unit::{named_unit, unit_of_times};
-use super::{Table, TimeBase};
+use super::{Column, Table, TimeBase};
 use crate::unit::{Unit, UserUnit, short_number};
 
 /// Names of columns of times, without what stands behind them.
@@ -37,7 +37,7 @@ pub(super) fn time_column(table: &Table) -> Option<Times> {
     }
     let even = || {
         let mut columns = table.columns.iter();
-        columns.find(|one| rises(&one.values, 0.0, is_later) && is_even(&one.values))
+        columns.find(|one| rises_evenly(one) && !is_of_another_kind(table, &one.name))
     };
     named_times(table).or_else(|| {
         let column = even()?;
@@ -71,6 +71,46 @@ pub(super) fn not_taken_for_times(table: &Table) -> Option<String> {
         values[row],
         values[row - 1],
         table.place(row)
+    ))
+}
+
+fn rises_evenly(column: &Column) -> bool {
+    rises(&column.values, 0.0, is_later) && is_even(&column.values)
+}
+
+/// Whether a column is no time by its unit, or by its name: lines of a spectrum rise evenly, too.
+fn is_of_another_kind(table: &Table, name: &str) -> bool {
+    let unit = table
+        .units
+        .get(name)
+        .and_then(|text| UserUnit::parse(text).ok());
+    let is_other = unit.is_some_and(|unit| ![Unit::Second, Unit::One].contains(&unit.unit));
+    is_other || is_called_frequency(name)
+}
+
+/// `f_hz`, `Freq`, `Frequency [Hz]`, `frequenz (Hz)`, `f`.
+fn is_called_frequency(name: &str) -> bool {
+    let lower = name.to_lowercase();
+    let bare = bare_name(name);
+    let ends = ["hz", "[hz]", "(hz)"];
+    bare == "f"
+        || bare.starts_with("freq")
+        || bare.starts_with("fréq")
+        || bare.starts_with("frec")
+        || ends.iter().any(|end| lower.ends_with(end))
+}
+
+/// That a table without times is over frequencies, and what reads it.
+pub(super) fn over_frequencies(table: &Table) -> Option<String> {
+    if time_column(table).is_some() {
+        return None;
+    }
+    let mut columns = table.columns.iter();
+    let column = columns.find(|one| is_called_frequency(&one.name) && rises_evenly(one))?;
+    Some(format!(
+        "\"{}\" is called as frequencies are, and no other column rises as times do: a frequency response is read by \
+         truecut identify, [[modes.frf]]",
+        column.name
     ))
 }
 
@@ -194,7 +234,47 @@ fn rate_note(table: &Table, hz: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measured::Column;
+
+    /// Lines of a spectrum are no milliseconds; nor is what the file gives another unit.
+    #[test]
+    fn frequencies_are_no_times() {
+        let over = |name: &str, unit: Option<&str>| {
+            let column = |name: &str, values| Column {
+                name: name.into(),
+                values,
+            };
+            let lines: Vec<f64> = (0..300).map(|k| 200.0 + 2.0 * f64::from(k)).collect();
+            let real = lines.iter().map(|f| (0.1 * f).sin()).collect();
+            let table = Table {
+                source: "frf.csv".into(),
+                columns: vec![column(name, lines), column("xx_re", real)],
+                units: unit
+                    .map(|unit| (name.to_owned(), unit.to_owned()))
+                    .into_iter()
+                    .collect(),
+                ..Table::default()
+            };
+            (
+                time_column(&table).is_some(),
+                over_frequencies(&table).is_some(),
+            )
+        };
+        for name in [
+            "f_hz",
+            "Freq",
+            "Frequency [Hz]",
+            "frequenz",
+            "f",
+            "line(Hz)",
+        ] {
+            assert_eq!(over(name, None), (false, true), "{name}");
+        }
+        assert_eq!(over("x", Some("mm")), (false, false));
+        assert_eq!(over("lines", Some("Hz")), (false, false));
+        for name in ["sample", "n", "t_ms", "force"] {
+            assert_eq!(over(name, None), (true, false), "{name}");
+        }
+    }
 
     /// A rate that is twice that of the times beside it is told; the same, and one that is rounded,
     /// is not; nor is one that only a guess speaks against.

@@ -347,3 +347,52 @@ fn times_of_an_unknown_or_of_another_unit_are_refused() {
     let assumed = "\"t\" are taken for s, since neither the file nor `time_unit` gives their unit";
     assert!(told.contains(assumed), "{told}");
 }
+
+/// Times as `%.7g` writes them, of a card that samples at 12.8 kHz: from 1 s on a millionth is
+/// left, of 78 µs; and what is no rounding is refused with the key that helps.
+#[test]
+fn times_that_round_even_ones_are_even() {
+    let of_seven_digits = |time: f64| -> f64 { format!("{time:.6e}").parse().unwrap() };
+    let with = |round: &dyn Fn(usize) -> f64| {
+        let mut table = blows(3, 3.0, 1e-4);
+        let values = (0..table.rows()).map(round).collect();
+        let name = "t_s".into();
+        table.columns.push(Column { name, values });
+        let times = TimeBase::Column {
+            column: "t_s".into(),
+            unit: UserUnit::from(Unit::Second),
+        };
+        let spec = ImpactSpec {
+            times,
+            ..hammer(0.09, None)
+        };
+        impact(&table, &spec, [95.0, 1395.0], "modes.impact.0")
+    };
+    let time = |row: usize| 0.95 + row as f64 / 12_800.0;
+    let exact = with(&time).unwrap();
+    assert!(
+        !exact.notes.iter().any(|note| note.contains("rounded")),
+        "{:?}",
+        exact.notes
+    );
+    let rounded = with(&|row| of_seven_digits(time(row))).unwrap();
+    let note = "blows.csv: times are rounded to 1e-6 s, and lie within it of even ones: taken as 12800.0 samples a second";
+    assert!(
+        rounded.notes.iter().any(|told| told == note),
+        "{:?}",
+        rounded.notes
+    );
+    let pairs = rounded.frequency_hz.iter().zip(&exact.frequency_hz);
+    assert_eq!(rounded.frequency_hz.len(), exact.frequency_hz.len());
+    pairs.for_each(|(found, hz)| assert!((found / hz - 1.0).abs() < 1e-5, "{found} for {hz}"));
+    // A sample that is missing, and a clock that trembles by a tenth of the interval.
+    let missing = |row: usize| of_seven_digits(time(row + usize::from(row > 500)));
+    let trembling = |row: usize| of_seven_digits(time(row) + 8e-6 * (row as f64).sin());
+    for uneven in [&missing as &dyn Fn(usize) -> f64, &trembling] {
+        let error = with(uneven).unwrap_err();
+        assert_eq!(error.key, "modes.impact.0.time");
+        let told =
+            "if the samples are evenly apart, give their rate as `rate_hz` in place of `time`";
+        assert!(error.message.contains(told), "{error}");
+    }
+}

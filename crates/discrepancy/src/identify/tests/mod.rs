@@ -2,6 +2,7 @@
 
 mod hammer;
 mod loads;
+mod tool;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
