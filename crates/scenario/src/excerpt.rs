@@ -54,7 +54,7 @@ pub fn harmless_text(text: &str) -> String {
         } else {
             shown.extend(word[part(&word[..end], 0)].chars().flat_map(harmless));
             shown.push('…');
-            shown.push_str(&word[end..]);
+            shown.extend(word[end..].chars().flat_map(harmless));
         }
     }
     shown
@@ -88,6 +88,17 @@ fn part(line: &str, at: usize) -> Range<usize> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// Vertical tabs and form feeds part words, and act on a terminal.
+    #[test]
+    fn what_parts_long_words_is_shown_as_a_question_mark() {
+        let word = "x".repeat(LONGEST + 1);
+        for space in ['\u{b}', '\u{c}', '\u{85}'] {
+            let shown = harmless_text(&format!("{word}{space}y{space}z\n"));
+            let harmless = |c: char| !c.is_control() || c == '\n';
+            assert!(shown.chars().all(harmless), "{shown:?}");
+        }
+    }
 
     #[test]
     fn what_acts_on_a_terminal_is_shown_as_question_marks() {
