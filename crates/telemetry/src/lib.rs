@@ -68,6 +68,7 @@ mod error;
 mod footer;
 mod frames;
 mod ipc;
+mod layout;
 mod log;
 mod pages;
 mod parquet_file;

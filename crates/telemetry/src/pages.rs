@@ -95,13 +95,15 @@ fn parsed(contents: &mut Contents<'_>) -> Option<Head> {
     let mut head = Head::default();
     contents.fields(0, &mut |contents, field, kind| {
         match (field, kind) {
+            (_, ..=2) => return Some(false),
             (2, _) => head.uncompressed = contents.signed()?,
             (3, _) => head.compressed = contents.signed()?,
-            (7, STRUCTURE) => contents.fields(1, &mut |contents, field, _| {
-                if field == 1 {
+            (7, STRUCTURE) => contents.fields(1, &mut |contents, field, kind| {
+                let is_count = field == 1 && kind > 2;
+                if is_count {
                     head.dictionary = Some(contents.signed()?);
                 }
-                Some(field == 1)
+                Some(is_count)
             })?,
             _ => return Some(false),
         }

@@ -59,7 +59,7 @@ impl<'a> Contents<'a> {
     }
 
     /// Goes over a structure field by field. `look` gets a field's number and kind and says whether
-    /// it read the value.
+    /// it read the value; that of a truth stands in its kind, 1 or 2.
     pub(crate) fn fields(
         &mut self,
         depth: usize,
@@ -74,14 +74,13 @@ impl<'a> Contents<'a> {
                 (_, 0) => field = self.signed()?,
                 (_, further) => field = field.checked_add(i64::from(further))?,
             }
-            // The value of a truth stands in its kind.
-            if kind > 2 && !look(self, field, kind)? {
+            if !look(self, field, kind)? && kind > 2 {
                 self.value(kind, depth + 1)?;
             }
         }
     }
 
-    fn value(&mut self, kind: u8, depth: usize) -> Option<()> {
+    pub(crate) fn value(&mut self, kind: u8, depth: usize) -> Option<()> {
         if depth > MOST_NESTED {
             return None;
         }
@@ -101,13 +100,19 @@ impl<'a> Contents<'a> {
         }
     }
 
-    fn list(&mut self, depth: usize) -> Option<()> {
+    /// How many values a list has, and of what kind.
+    pub(crate) fn list_head(&mut self) -> Option<(u64, u8)> {
         let head = self.byte()?;
         let count = match head >> 4 {
             15 => self.number()?,
             few => u64::from(few),
         };
-        self.all(count, &[head & 0x0f], depth)
+        Some((count, head & 0x0f))
+    }
+
+    fn list(&mut self, depth: usize) -> Option<()> {
+        let (count, kind) = self.list_head()?;
+        self.all(count, &[kind], depth)
     }
 
     fn map(&mut self, depth: usize) -> Option<()> {
