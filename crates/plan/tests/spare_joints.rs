@@ -8,24 +8,15 @@ mod cam_run;
 
 use std::path::Path;
 
-use nalgebra::{DMatrix, Isometry3};
+use nalgebra::Isometry3;
 use truecut_arm::{FrameId, Robot};
 use truecut_plan::cam::{Attitude, CamPath, CamPoint};
 use truecut_plan::motion::led::LedTask;
 use truecut_plan::motion::straight::{PathStart, StraightPath, TurnKnot};
 use truecut_plan::program::{Program, ReplayOptions, Start};
 
-use seven_axes::{SEEDS, drawn};
+use seven_axes::{CORNERS_M, SEEDS, distance, drawn, least_singular_value, off};
 
-/// Places in the frame of the tool, m; the arm stops at each.
-const STOPS_M: [[f64; 3]; 6] = [
-    [0.0, 0.0, 0.0],
-    [0.04, 0.0, 0.0],
-    [0.04, 0.03, 0.0],
-    [0.0, 0.03, 0.0],
-    [0.0, 0.0, 0.0],
-    [0.0, 0.0, -0.03],
-];
 const FEED_M_PER_S: f64 = 0.02;
 const INTERVAL_S: f64 = 5e-3;
 
@@ -43,27 +34,11 @@ fn program(robot: &Robot, start: &[f64]) -> Program {
         }
     };
     let path = CamPath {
-        points: STOPS_M.into_iter().enumerate().map(point).collect(),
+        points: CORNERS_M.into_iter().enumerate().map(point).collect(),
         ..CamPath::default()
     };
     let (near, world) = (Start::Near(start), Isometry3::identity());
     cam_run::follow(near, robot, &path, Path::new("stops.csv"), world).expect("it can be followed")
-}
-
-fn off(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
-    let turned = (a.rotation * b.rotation.inverse()).scaled_axis().norm();
-    (a.translation.vector - b.translation.vector).norm() + turned
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
-    squares.sum::<f64>().sqrt()
-}
-
-fn least_singular_value(robot: &Robot, q: &[f64]) -> f64 {
-    let jacobian = robot.jacobian(q, FrameId::Tool);
-    let jacobian = DMatrix::from_fn(6, q.len(), |r, c| jacobian[(r, c)]);
-    jacobian.singular_values().min()
 }
 
 /// A program begins in the posture given, and run through it arrives in the postures of its points.

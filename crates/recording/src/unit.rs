@@ -193,15 +193,18 @@ impl Unit {
     /// # Errors
     /// A unit that is not in the table; the nearest one is named.
     pub fn parse_user(text: &str) -> Result<(Unit, f64), UnitError> {
+        Unit::known(text).ok_or_else(|| UnitError {
+            text: text.to_owned(),
+            nearest: meant(text.trim()).map(str::to_owned),
+        })
+    }
+
+    /// As [`Unit::parse_user`], `None` where that is an error: no nearest one is looked for, which
+    /// takes a thousand times as long.
+    pub fn known(text: &str) -> Option<(Unit, f64)> {
         let wanted = text.trim();
-        SYMBOLS
-            .iter()
-            .find(|entry| entry.0 == wanted)
-            .map(|&(_, unit, factor)| (unit, factor))
-            .ok_or_else(|| UnitError {
-                text: text.to_owned(),
-                nearest: meant(wanted).map(str::to_owned),
-            })
+        let found = SYMBOLS.iter().find(|entry| entry.0 == wanted);
+        found.map(|&(_, unit, factor)| (unit, factor))
     }
 
     /// Every symbol that [`Unit::parse_user`] accepts for this unit, its own first.

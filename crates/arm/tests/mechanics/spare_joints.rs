@@ -1,36 +1,18 @@
 //! Arms with more joints than a pose asks for: continuous along lines and across stops, within
 //! limits, and as near to a posture as they come with the tool at rest.
 
-use nalgebra::{DMatrix, Isometry3, Vector3};
-use truecut_arm::{BranchOptions, FrameId, IkSolver, PathOptions, Robot};
+use nalgebra::{Isometry3, Vector3};
+use truecut_arm::{BranchOptions, FrameId, IkSolver, PathOptions};
 
-use crate::seven_axes::{Draws, SEEDS, drawn};
+use crate::seven_axes::{
+    CORNERS_M, Draws, SEEDS, distance, drawn, jacobian, least_singular_value, off,
+};
 
-/// Corners of a path in the frame of the tool, m.
-const CORNERS_M: [[f64; 3]; 6] = [
-    [0.0, 0.0, 0.0],
-    [0.04, 0.0, 0.0],
-    [0.04, 0.03, 0.0],
-    [0.0, 0.03, 0.0],
-    [0.0, 0.0, 0.0],
-    [0.0, 0.0, -0.03],
-];
 /// Way between two poses, m.
 const STEP_M: f64 = 1e-3;
 /// Of [`DEG`]: what joints keep from limits where they are free to, and a hair.
 const CLEAR_RAD: f64 = 0.5 * DEG;
 const DEG: f64 = std::f64::consts::PI / 180.0;
-
-/// Distance of poses: metres and radians together.
-fn off(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
-    let turned = (a.rotation * b.rotation.inverse()).scaled_axis().norm();
-    (a.translation.vector - b.translation.vector).norm() + turned
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
-    squares.sum::<f64>().sqrt()
-}
 
 /// The poses of each line, its two ends with them.
 fn lines(from: &Isometry3<f64>) -> Vec<Vec<Isometry3<f64>>> {
@@ -71,15 +53,6 @@ fn led(solver: &IkSolver<'_>, start: &[f64]) -> (Vec<Vec<f64>>, f64) {
         path.extend(line.into_iter().skip(1));
     }
     (path, largest)
-}
-
-fn jacobian(robot: &Robot, q: &[f64]) -> DMatrix<f64> {
-    let jacobian = robot.jacobian(q, FrameId::Tool);
-    DMatrix::from_fn(6, q.len(), |r, c| jacobian[(r, c)])
-}
-
-fn least_singular_value(robot: &Robot, q: &[f64]) -> f64 {
-    jacobian(robot, q).singular_values().min()
 }
 
 /// The way that a joint goes furthest from where it began.

@@ -2,12 +2,22 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
-use truecut_arm::{Chain, Frames, Joint, JointKind, Limits, Link, Robot, Transmission};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use truecut_arm::{Chain, FrameId, Frames, Joint, JointKind, Limits, Link, Robot, Transmission};
 
 /// Seeds whose arms stand clear of singularities: the Jacobian's least singular value is above
 /// 0.05, rad and m.
 pub const SEEDS: [u64; 6] = [2, 4, 5, 17, 29, 31];
+
+/// Corners of a path in the frame of the tool, m.
+pub const CORNERS_M: [[f64; 3]; 6] = [
+    [0.0, 0.0, 0.0],
+    [0.04, 0.0, 0.0],
+    [0.04, 0.03, 0.0],
+    [0.0, 0.03, 0.0],
+    [0.0, 0.0, 0.0],
+    [0.0, 0.0, -0.03],
+];
 
 /// Limits of every joint, rad, and its top speed, rad/s.
 const LIMIT_RAD: f64 = 2.9;
@@ -63,6 +73,28 @@ pub fn drawn(seed: u64) -> (Robot, Vec<f64>) {
         tool_load: None,
     };
     (robot, posture)
+}
+
+/// Distance of poses: metres and radians together.
+pub fn off(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
+    let turned = (a.rotation * b.rotation.inverse()).scaled_axis().norm();
+    (a.translation.vector - b.translation.vector).norm() + turned
+}
+
+/// Distance of postures, rad.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
+    squares.sum::<f64>().sqrt()
+}
+
+/// Of the tool.
+pub fn jacobian(robot: &Robot, q: &[f64]) -> DMatrix<f64> {
+    let jacobian = robot.jacobian(q, FrameId::Tool);
+    DMatrix::from_fn(6, q.len(), |r, c| jacobian[(r, c)])
+}
+
+pub fn least_singular_value(robot: &Robot, q: &[f64]) -> f64 {
+    jacobian(robot, q).singular_values().min()
 }
 
 fn joint(index: usize, draws: &mut Draws) -> Joint {

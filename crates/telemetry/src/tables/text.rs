@@ -6,7 +6,7 @@ use arrow::compute::kernels::cast_utils::string_to_timestamp_nanos;
 use encoding_rs::WINDOWS_1252;
 use truecut_files::{CellRow, Cells, is_comment};
 use truecut_recording::measured::{Column, Table};
-use truecut_recording::{UnitError, UserUnit};
+use truecut_recording::{Unit, UnitError, UserUnit};
 
 use super::telegrams;
 use crate::error::Reason;
@@ -267,7 +267,7 @@ fn blanked(text: &str, lines: usize) -> String {
 /// Whether a row below the names is one of units: none is a number but for the unit "1", and one is
 /// a unit that is known or stands in brackets. Of the others some may be unknown.
 fn are_units(cells: &[String]) -> bool {
-    let is_unit = |cell: &String| unbracketed(cell).is_some() || UserUnit::parse(cell).is_ok();
+    let is_unit = |cell: &String| unbracketed(cell).is_some() || Unit::known(cell).is_some();
     let is_number = |cell: &String| !has_no_unit(cell) && number(cell, true).is_some();
     cells.iter().all(|cell| is_unit(cell) || !is_number(cell))
         && cells.iter().any(|cell| is_unit(cell) && !is_number(cell))
@@ -282,9 +282,10 @@ fn has_no_unit(cell: &str) -> bool {
 /// says that it is a unit, though one that is of no use here.
 fn unknown_unit(cells: &[String]) -> Option<(usize, UnitError)> {
     let unknown = |(at, cell): (usize, &String)| {
-        let is_said = has_no_unit(cell) || unbracketed(cell).is_some();
-        let error = UserUnit::parse(cell).err().filter(|_| !is_said)?;
-        Some((at, error))
+        if has_no_unit(cell) || unbracketed(cell).is_some() {
+            return None;
+        }
+        Some((at, UserUnit::parse(cell).err()?))
     };
     cells.iter().enumerate().find_map(unknown)
 }
@@ -304,7 +305,7 @@ fn units_of(
     let of_name = |name: &String| {
         let from = name.rfind(['[', '('])?;
         let unit = unbracketed(&name[from..])?.trim();
-        (from > 0 && UserUnit::parse(unit).is_ok()).then(|| unit.to_owned())
+        (from > 0 && Unit::known(unit).is_some()).then(|| unit.to_owned())
     };
     let units = names.iter().enumerate().filter_map(|(index, name)| {
         let unit = match &row {
