@@ -175,6 +175,17 @@ fn what_moves_nothing_is_noted_by_its_line() {
 }
 
 #[test]
+fn a_unit_that_the_file_does_not_say_is_noted() {
+    let is_noted = |text| {
+        let notes = gcode(text).notes;
+        notes.iter().any(|note| note.contains("units of 1 mm"))
+    };
+    assert!(is_noted("G90 G0 X0 Y0 Z5\nG1 X5 F600\n"));
+    assert!(!is_noted("G21 G90 G0 X0 Y0 Z5\nG1 X5 F600\n"));
+    assert!(!is_noted("G20 G90 G0 X0 Y0 Z5\nG1 X5 F60\n"));
+}
+
+#[test]
 fn apt_gives_points_axes_feeds_and_arcs() {
     let text = "PARTNO/PLATE $$ a comment\nUNITS/MM\nMULTAX/ON\nLOADTL/2\nSPINDL/RPM,8000,CLW\n\
                 FROM/0,0,50,0,0,1\nFEDRAT/600,MMPM\nGOTO/10,0,0,$\n0,0,1\nCIRCLE/0,0,0,0,0,1,10\n\

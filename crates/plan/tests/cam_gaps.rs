@@ -50,7 +50,7 @@ fn a_path_begins_where_all_axes_have_a_place() {
             path.notes
         );
     }
-    let plain = gcode("G90 G0 X20 Y30 Z50\nG1 Z-2 F300\n");
+    let plain = gcode("G21 G90 G0 X20 Y30 Z50\nG1 Z-2 F300\n");
     assert_eq!(plain.notes, Vec::<String>::new());
 }
 

@@ -56,6 +56,7 @@ pub(super) struct State<'a> {
     /// Number of the plane: 17, 18, 19.
     pub plane: u32,
     pub unit_m: f64,
+    unit_is_said: bool,
     pub incremental: bool,
     pub absolute_centres: bool,
     pub feed_m_per_s: Option<f64>,
@@ -81,6 +82,7 @@ impl<'a> State<'a> {
             motion: MotionMode::None,
             plane: 17,
             unit_m: options.unit_m,
+            unit_is_said: false,
             incremental: false,
             absolute_centres: false,
             feed_m_per_s: None,
@@ -103,6 +105,13 @@ impl<'a> State<'a> {
     /// With the line, where the file does not say a way.
     pub fn end(mut self) -> Result<CamPath, (usize, ProgramErrorKind)> {
         self.gaps.close(&mut self.path, &mut self.notes)?;
+        if !self.unit_is_said {
+            let text = format!(
+                "neither G20 nor G21: lengths are taken in units of {} mm",
+                self.unit_m * 1e3
+            );
+            self.notes.add(1, text);
+        }
         Ok(CamPath {
             notes: self.notes.texts(),
             ..self.path
@@ -218,6 +227,7 @@ impl<'a> State<'a> {
 
     fn unit(&mut self, unit_m: f64, code: &str, line: usize) {
         self.unit_m = unit_m;
+        self.unit_is_said = true;
         if let Some(text) = unit_without_effect(self.options, unit_m, code) {
             self.notes.add(line, text);
         }
