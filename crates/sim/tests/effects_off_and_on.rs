@@ -123,6 +123,7 @@ fn size(kind: EffectKind) -> Vec<f64> {
         K::JointZero => vec![0.01],
         K::LinkMass => vec![1.2],
         K::LinkCenter => vec![0.03, -0.02, 0.05],
+        K::LinkLength => vec![0.01, -0.02, 0.015],
         K::JointRotor => vec![0.4],
         K::ClockRate => vec![1.01],
         K::JointPositionCurve => vec![-3.0, 3.0, 60.0, -40.0, 80.0],

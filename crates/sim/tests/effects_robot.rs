@@ -2,6 +2,7 @@
 
 mod support;
 
+use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use std::path::Path;
 use support::{ARM_POSTURE, column, load, peaks, period, run};
@@ -108,6 +109,28 @@ fn verify_link_center_and_joint_rotor_are_those_of_an_arm_that_has_them() {
             assert_ne!(column(&with, name), column(&plain, name), "{kind:?} {name}");
         }
     }
+}
+
+/// The next joint stands elsewhere on a link: the tool moves by that, turned as the link is.
+#[test]
+fn verify_link_length_moves_the_tool_as_the_link_is_turned() {
+    let settings = format!("{ARM_POSTURE}\ngravity = false");
+    let still = "constant_n = [0.0, 0.0, 0.0]";
+    let scenario = load("irb6600_175_255", &settings, "duration_s = 0.01", still);
+    let off = Vector3::new(0.01, -0.02, 0.043);
+    let effect = Effect {
+        values: off.as_slice().to_vec(),
+        ..Effect::neutral(EffectKind::LinkLength, Target::Joint(1))
+    };
+    let place = |recording: &Recording| {
+        let names = ["tool.position_x", "tool.position_y", "tool.position_z"];
+        Vector3::from(names.map(|name| column(recording, name)[0]))
+    };
+    let moved = place(&run(&scenario, &[effect])) - place(&run(&scenario, &[]));
+    let [first, second] = [-48.38_f64, 54.82].map(f64::to_radians);
+    let link = Rotation3::from_axis_angle(&Vector3::z_axis(), first)
+        * Rotation3::from_axis_angle(&Vector3::y_axis(), second);
+    assert!((moved - link * off).norm() < 1e-9, "{moved}");
 }
 
 fn tilt(compliance: f64) -> Effect {

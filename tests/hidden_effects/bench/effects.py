@@ -24,6 +24,7 @@ KINDS: dict[str, tuple[dict[str, float], tuple[str, ...]]] = {
     "joint_zero": ({"offset_rad": 0.0}, ()),
     "link_mass": ({"factor": 1.0}, ()),
     "link_center": ({"x_m": 0.0, "y_m": 0.0, "z_m": 0.0}, ()),
+    "link_length": ({"x_m": 0.0, "y_m": 0.0, "z_m": 0.0}, ()),
     "joint_rotor": ({"inertia_kg_m2": 0.0}, ()),
     "payload": ({"mass_kg": 0.0}, ("center_x_m", "center_y_m", "center_z_m")),
     "base_compliance": ({"compliance_rad_per_n_m": 0.0}, ()),

@@ -30,6 +30,7 @@ mod fit;
 mod floor;
 mod gate;
 mod late;
+mod lengths;
 mod memory;
 mod noise;
 mod orders;

@@ -1,7 +1,7 @@
 //! Model, data and bookkeeping in one place; points of the search and their parameters.
 
 use truecut_scenario::UncertainSpec;
-use truecut_scenario::effect::{Effect, ParameterInfo};
+use truecut_scenario::effect::{Effect, EffectKind, ParameterInfo};
 
 use super::budget::{Budget, Part};
 use super::data::{Observation, Rows, Split};
@@ -232,6 +232,11 @@ impl<'a> Problem<'a> {
     /// The candidates that the search looks for.
     pub fn searched(&self) -> std::ops::Range<usize> {
         0..self.candidates.len() - self.curves.len()
+    }
+
+    /// The candidates that are lengths of links.
+    pub fn lengths(&self) -> impl Iterator<Item = usize> {
+        (self.searched()).filter(|&one| self.candidates[one].kind == EffectKind::LinkLength)
     }
 
     /// The candidates that are curves.

@@ -38,6 +38,10 @@ impl Search<'_, '_> {
                 // What led there would be found again, and again be taken away.
                 self.refused.push(reached);
             }
+            // Before many causes that imitate a length have used up the simulations.
+            if outcome.chosen.point.effects.len() == 2 {
+                self.lengths(outcome)?;
+            }
             if outcome.chosen.point.effects.len() >= most {
                 outcome.limited = self.finds_more(outcome)?;
                 break;

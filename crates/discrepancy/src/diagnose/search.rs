@@ -132,6 +132,9 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         }
     }
     search.prefer_the_first(&mut outcome)?;
+    if search.lengths(&mut outcome)? && count(&outcome) < most {
+        search.ascend(&mut outcome, most)?;
+    }
     // What a delay leaves is seen beside it only: before, others stood in its place.
     if search.delays(&mut outcome)? && count(&outcome) < most {
         search.ascend(&mut outcome, most)?;

@@ -65,8 +65,10 @@ pub(super) fn tests(problem: &Problem, point: &Point) -> usize {
 
 /// Candidates that the point does not hold, but those that are looked for at the end.
 fn absent(problem: &Problem, point: &Point) -> impl Iterator<Item = usize> {
-    (problem.searched())
-        .filter(|candidate| !point.holds(*candidate) && !problem.late.contains(candidate))
+    let at_the_end = |candidate: &usize| {
+        problem.late.contains(candidate) || problem.lengths().any(|one| one == *candidate)
+    };
+    (problem.searched()).filter(move |candidate| !point.holds(*candidate) && !at_the_end(candidate))
 }
 
 /// A signature so many times the residual is taken anew at a smaller size: the effect, if it is

@@ -104,6 +104,7 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
             _,
             JointEffect::LinkMass { .. }
             | JointEffect::LinkCenter { .. }
+            | JointEffect::LinkLength { .. }
             | JointEffect::Rotor { .. },
         ) if !is_inverse(scenario) => return None,
         Typed::Joint(joint, effect) => joint_scale(&signals.joints[joint], effect)?.values(),

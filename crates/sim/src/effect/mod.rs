@@ -62,6 +62,9 @@ pub(crate) struct JointEffects {
     pub mass_factor: f64,
     /// Of the same link: true centre of mass less the file's, in the link's frame, m.
     pub center_m: Vector3<f64>,
+    /// Of the same link: true place of the next joint, or of the flange, less the file's, in the
+    /// link's frame, m.
+    pub carried_m: Vector3<f64>,
     /// True inertia (mass) of the rotor less the file's, kg m² (kg).
     pub rotor: f64,
 }
@@ -76,6 +79,7 @@ impl Default for JointEffects {
             zero: 0.0,
             mass_factor: 1.0,
             center_m: Vector3::zeros(),
+            carried_m: Vector3::zeros(),
             rotor: 0.0,
         }
     }
@@ -180,12 +184,13 @@ impl JointEffects {
         friction - self.law.link_torque(position)
     }
 
-    /// Whether the arm's links, rotors or zeros are not those of its files.
+    /// Whether the arm's links, lengths, rotors or zeros are not those of its files.
     pub(crate) fn is_another_arm(&self) -> bool {
         let of_file = Self::default();
         self.zero != of_file.zero
             || self.mass_factor != of_file.mass_factor
             || self.center_m != of_file.center_m
+            || self.carried_m != of_file.carried_m
             || self.rotor != of_file.rotor
     }
 
@@ -256,6 +261,7 @@ impl JointEffects {
             JointEffect::Zero { offset } => self.zero = offset,
             JointEffect::LinkMass { factor } => self.mass_factor = factor,
             JointEffect::LinkCenter { x, y, z } => self.center_m = Vector3::new(x, y, z),
+            JointEffect::LinkLength { x, y, z } => self.carried_m = Vector3::new(x, y, z),
             JointEffect::Rotor { inertia } => self.rotor = inertia,
         }
     }

@@ -57,8 +57,9 @@ pub(crate) fn alter(nominal: &Robot, effects: &Effects) -> Result<Altered, SimEr
     })
 }
 
-/// Builds the arm as it stands: its payload, links as heavy as they are with their centres and
-/// rotors, and where the zeros of their joints leave them. Coordinates stay those reported.
+/// Builds the arm as it stands: its payload, links as heavy and as long as they are with their
+/// centres and rotors, and where the zeros of their joints leave them. Coordinates stay those
+/// reported.
 pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimError> {
     for (joint, effect) in robot.chain.joints.iter_mut().zip(&effects.joints) {
         if effect.zero != 0.0 {
@@ -77,6 +78,12 @@ pub(crate) fn build_in(robot: &mut Robot, effects: &Effects) -> Result<(), SimEr
         if effect.center_m != Vector3::zeros() {
             link.com_m += effect.center_m;
         }
+    }
+    let carried = robot.chain.joints.iter_mut().skip(1);
+    let carried = carried.map(|joint| &mut joint.parent_from_joint);
+    let carried = carried.chain([&mut robot.frames.last_link_from_flange]);
+    for (place, effect) in carried.zip(&effects.joints) {
+        place.translation.vector += effect.carried_m;
     }
     match &effects.payload {
         Some(payload) => add_payload(robot, payload),

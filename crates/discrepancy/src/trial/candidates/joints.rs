@@ -17,7 +17,7 @@ const LEAST_PHASE: f64 = 0.1;
 /// dry friction.
 const LEAST_VARIATION: f64 = 0.2;
 
-/// By as much a link's centre may well be off, m.
+/// By as much a link's centre, or what it carries, may well be off, m.
 const OFF_CENTER_M: f64 = 0.02;
 
 pub(super) fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<JointEffect> {
@@ -40,6 +40,11 @@ pub(super) fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<J
         },
         E::LinkMass { .. } => E::LinkMass { factor: SHARE },
         E::LinkCenter { .. } => E::LinkCenter {
+            x: OFF_CENTER_M,
+            y: OFF_CENTER_M,
+            z: OFF_CENTER_M,
+        },
+        E::LinkLength { .. } => E::LinkLength {
             x: OFF_CENTER_M,
             y: OFF_CENTER_M,
             z: OFF_CENTER_M,

@@ -28,7 +28,7 @@ pub(super) fn why_untold(kind: EffectKind) -> &'static str {
         "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
         "wheel_eccentricity" => "the wheel does not turn",
         "clock_delay" => "with one channel it is a delay of its sensor",
-        "link_mass" | "link_center" | "joint_rotor" => {
+        "link_mass" | "link_center" | "link_length" | "joint_rotor" => {
             "only measured motion of all joints shows one link beside the others"
         }
         "clock_rate" => "with one channel it is hardly anything but a gain",
@@ -44,6 +44,11 @@ pub(super) fn targets(
 ) -> Vec<Target> {
     match kind.target() {
         TargetKind::Whole => vec![Target::Whole],
+        // What the last link carries has no drive.
+        TargetKind::Joint if kind == EffectKind::LinkLength => {
+            let others = signals.joints.len().saturating_sub(1);
+            (0..others).map(Target::Joint).collect()
+        }
         TargetKind::Joint => (0..signals.joints.len()).map(Target::Joint).collect(),
         TargetKind::Axis => (0..3).map(Target::Axis).collect(),
         TargetKind::Channel => (channels.iter())

@@ -5,7 +5,7 @@
 //! meaning, key, unit, neutral value and bounds.
 
 use super::define::effects;
-use super::parameter::{described, factor, joint, same};
+use super::parameter::{described, factor, geometric, joint, same};
 use super::{Model, ParameterInfo, Signal, TargetKind};
 use crate::effect::{Effect, Target};
 use truecut_recording::Unit;
@@ -25,16 +25,6 @@ pub(super) struct Entry {
 /// Frequencies from which a tool's mode is looked for, a twelfth apart: one struck by every tooth
 /// rings for some periods, and a model that is further out of tune is out of phase before the end.
 const TOOL_FREQUENCIES_HZ: [f64; 64] = geometric(30.0, 13.0 / 12.0);
-
-const fn geometric<const N: usize>(first: f64, ratio: f64) -> [f64; N] {
-    let mut values = [first; N];
-    let mut i = 1;
-    while i < N {
-        values[i] = values[i - 1] * ratio;
-        i += 1;
-    }
-    values
-}
 
 effects! {
 /// The law of one joint.
@@ -150,6 +140,12 @@ Joint: JointEffect on Joint(joint: usize = *joint) {
     }
     LinkCenter "link_center" is LinkCenter in [Driven, Free, Inverse]:
         "The centre of mass of the link that the joint moves is not where its file says." {
+        x: "True place less that of the file, in the link's frame" = same("x_m", Unit::Metre, 0.0, -5.0, 5.0),
+        y: "True place less that of the file, in the link's frame" = same("y_m", Unit::Metre, 0.0, -5.0, 5.0),
+        z: "True place less that of the file, in the link's frame" = same("z_m", Unit::Metre, 0.0, -5.0, 5.0),
+    }
+    LinkLength "link_length" is LinkLength in [Driven, Free, Inverse]:
+        "What the link that the joint moves carries, the next joint or the flange, stands elsewhere on it than its file says." {
         x: "True place less that of the file, in the link's frame" = same("x_m", Unit::Metre, 0.0, -5.0, 5.0),
         y: "True place less that of the file, in the link's frame" = same("y_m", Unit::Metre, 0.0, -5.0, 5.0),
         z: "True place less that of the file, in the link's frame" = same("z_m", Unit::Metre, 0.0, -5.0, 5.0),

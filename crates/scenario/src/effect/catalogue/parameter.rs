@@ -65,3 +65,14 @@ impl ParameterInfo {
         ParameterInfo { starts, ..self }
     }
 }
+
+/// Values in equal ratios.
+pub(super) const fn geometric<const N: usize>(first: f64, ratio: f64) -> [f64; N] {
+    let mut values = [first; N];
+    let mut i = 1;
+    while i < N {
+        values[i] = values[i - 1] * ratio;
+        i += 1;
+    }
+    values
+}
