@@ -154,6 +154,13 @@ def drawn_off(arm: Quiet, seed: int) -> tuple[int, np.ndarray]:
     return int(draw.integers(2, arm.joints + 1)), draw.uniform(0.01, 0.04) * direction / np.linalg.norm(direction)
 
 
+def drawn_long(arm: Quiet, seed: int) -> tuple[int, np.ndarray]:
+    """A link that carries another, not the first, and by how much the file has that elsewhere on it, m."""
+    draw = np.random.default_rng([seed, 9])
+    direction = draw.normal(size=3)
+    return int(draw.integers(2, arm.joints)), draw.uniform(0.015, 0.04) * direction / np.linalg.norm(direction)
+
+
 @pytest.mark.parametrize("seed", range(47_300, 47_304))
 def test_crosscheck_mujoco_a_link_with_its_centre_elsewhere_is_named(truecut, tmp_path, seed):
     """The file has the centre of mass of a link 10 to 40 mm from where the machine has it."""
@@ -176,6 +183,58 @@ def test_crosscheck_mujoco_a_link_with_its_centre_elsewhere_is_named(truecut, tm
     for name, true in zip(("x_m", "y_m"), off, strict=False):
         value = causes["link_center", f"joint{joint}"][name]
         assert abs(value["value"] - true) < 0.75 * (value["high"] - value["low"]) + 1e-4
+
+
+# Arms of two joints are left out: one link carries another there, and that nothing.
+ARMS_OF_THREE = [seed for seed in range(47_500, 47_520) if Arm(seed).joints > 2][:6]
+
+
+@pytest.mark.parametrize("seed", ARMS_OF_THREE)
+def test_crosscheck_mujoco_a_link_of_another_length_is_named(truecut, tmp_path, seed):
+    """The file has the next joint 15 to 40 mm from where it stands on its link."""
+    arm = Quiet(seed)
+    joint, off = drawn_long(arm, seed)
+    forces, text = arm.drive_forces(), arm.urdf
+
+    def moved(carried: re.Match) -> str:
+        place = np.array(carried[2].split(), float) - off
+        return f'{carried[1]}{" ".join(map(str, place))}"'
+
+    arm.urdf = re.sub(rf'(<joint name="joint_{joint + 1}".*?<origin xyz=")([^"]+)"', moved, text, count=1)
+    assert arm.urdf != text
+    arm.drive_forces = lambda: forces
+    found = diagnosed(truecut, tmp_path, arm, resample_hz=100, cutoffs_hz=(20, 6))
+    causes = {(one["kind"], one["target"]): one["parameters"] for one in found["causes"]}
+    print(found["verdict"], found["reason"], causes, joint, off)
+    assert found["verdict"] == "named" and list(causes) == [("link_length", f"joint{joint}")]
+    places = [causes["link_length", f"joint{joint}"][name] for name in ("x_m", "y_m", "z_m")]
+    # What no drive feels has no interval.
+    felt = [(value, true) for value, true in zip(places, off, strict=True) if value["low"] is not None]
+    most = np.abs(off).argmax()
+    assert abs(places[most]["value"] - off[most]) < 1e-3
+    for value, true in felt:
+        assert abs(value["value"] - true) < 0.75 * (value["high"] - value["low"]) + 1e-4
+
+
+@pytest.mark.parametrize("seed", range(47_600, 47_612))
+def test_crosscheck_mujoco_friction_over_the_place_is_no_change_over_time(truecut, tmp_path, seed):
+    """The motion comes again, and with it what a joint's friction makes of its places: it is shown as a curve."""
+    arm = Quiet(seed)
+    draw = np.random.default_rng([seed, 10])
+    joint = int(draw.integers(1, arm.joints + 1))
+    place, speed = arm.q[:, joint - 1], arm.v[:, joint - 1]
+    # A half wave or less from end to end.
+    share = (place - place.min()) / np.ptp(place)
+    friction = 20 * arm.sizes[joint - 1] * (1 + 0.8 * np.cos(draw.uniform(0.7, 1.0) * np.pi * share))
+    forces = arm.drive_forces()
+    forces[:, joint - 1] += friction * np.tanh(speed / (0.01 * speed.std()))
+    arm.drive_forces = lambda: forces
+    found = diagnosed(truecut, tmp_path, arm, resample_hz=100, cutoffs_hz=(20, 6))
+    causes = [(one["kind"], one["target"]) for one in found["causes"]]
+    print(found["verdict"], found["reason"], causes, joint)
+    assert not found["changes"]
+    assert found["verdict"] == "unknown_cause"
+    assert (found["curve"]["kind"], found["curve"]["target"]) == ("joint_friction_by_position", f"joint{joint}")
 
 
 @pytest.mark.parametrize("seed", range(47_400, 47_404))

@@ -79,6 +79,10 @@ pub(super) fn difference(first: &Observation, second: &Observation, at: Overlap)
         outputs: outputs.collect(),
         regressors: second.regressors.iter().map(own).collect(),
         fine: None,
+        again: (second.again.iter())
+            .filter(|pair| pair.iter().all(|row| rows[1].contains(row)))
+            .map(|pair| pair.map(|row| row - at.second))
+            .collect(),
     }
 }
 
@@ -124,6 +128,9 @@ pub(super) fn one_after_the_other(first: &Observation, second: &Observation) -> 
         outputs: outputs.collect(),
         regressors: regressors.collect(),
         fine: None,
+        again: (first.again.iter().copied())
+            .chain(second.again.iter().map(|pair| pair.map(|row| row + rows)))
+            .collect(),
     }
 }
 

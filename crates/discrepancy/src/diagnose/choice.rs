@@ -1,6 +1,7 @@
 //! The choice among fits: by what they gain on blocks that they were not fitted to, beyond chance
 //! and in noise of any memory.
 
+use super::data::Rows;
 use super::derivatives::difference;
 use super::fit::Fit;
 use super::memory::{LEAST_GENERALISATION, distance, stands_out};
@@ -137,7 +138,11 @@ fn is_beyond_numerics(problem: &Problem, small: &Fit, large: &Fit) -> bool {
 /// orders. A shape parameter counts twice: it is searched over all its range, from several starts.
 /// A curve counts by its evidence.
 pub(super) fn criterion(problem: &Problem, trial: &Fit, orders: &[usize]) -> f64 {
-    let rows = &problem.split.development;
+    criterion_at(problem, trial, orders, &problem.split.development)
+}
+
+/// The same at some rows.
+pub(super) fn criterion_at(problem: &Problem, trial: &Fit, orders: &[usize], rows: &Rows) -> f64 {
     objective(problem, &trial.residual, rows, orders)
         + weight(problem, trial) * (rows.len() as f64).ln()
         + price(problem, trial, rows)

@@ -18,7 +18,7 @@ use self::borne_out::borne_out;
 use super::DiagnoseError;
 use super::ambiguity::OVERWHELMING;
 use super::answer::{UnknownCurve, key_and_unit, target_name};
-use super::choice::criterion;
+use super::choice::{criterion, criterion_at};
 use super::fit::{Fit, Running, fit};
 use super::memory::stands_out;
 use super::noise::Noise;
@@ -68,9 +68,8 @@ pub(super) fn shown(
         .filter(|&one| !is_named || joints.contains(&&problem.candidates[one].target))
         .collect();
     let rows = &problem.split.development;
-    for earned in earning(problem, outcome, promising(problem, outcome, wanted)) {
-        let orders = earned.orders;
-        let mut ended = fit(problem, earned.fit.point, rows, &orders, true)?;
+    for earned in earning(problem, outcome, last, promising(problem, outcome, wanted)) {
+        let mut ended = earned.fit;
         let Ok(predicted) = problem.predict_whole(&ended.point) else {
             continue;
         };
@@ -83,8 +82,7 @@ pub(super) fn shown(
         }
         let on_test = borne_out(problem, &last.residual, &ended, [rows, &problem.split.test])?;
         if on_test.unwrap_or(earned.is_borne_out) {
-            let gain = criterion(problem, chosen, &orders) - criterion(problem, &ended, &orders);
-            let curve = told(problem, &ended, gain)?;
+            let curve = told(problem, &ended, earned.gain)?;
             return Ok(Some(Shown { fit: ended, curve }));
         }
     }
@@ -115,7 +113,9 @@ fn promising(problem: &Problem, outcome: &Outcome, wanted: Vec<usize>) -> Vec<Fo
         running.advance(SKETCHED_IN).ok()?;
         let found = running.finish();
         let orders = Noise::orders(&found.residual, train, &problem.floor);
-        let gain = criterion(problem, base, &orders) - criterion(problem, &found, &orders);
+        // Blocks that choose may pass other places, where nothing is known of a curve so far.
+        let value = |fit: &Fit| criterion_at(problem, fit, &orders, train);
+        let gain = value(base) - value(&found);
         (gain > 0.0).then(|| Some((gain, found.point.effects.last()?.clone())))?
     };
     let best = |candidate: usize| {
@@ -177,9 +177,8 @@ fn started(problem: &Problem, point: Point, candidate: usize, orders: &[usize]) 
 
 /// A curve that earns its place.
 struct Earned {
-    /// To the blocks for fitting.
+    /// To the development part.
     fit: Fit,
-    orders: Vec<usize>,
     /// How much likelier it makes the data, all its values integrated out, in minus twice the
     /// logarithm.
     gain: f64,
@@ -187,37 +186,38 @@ struct Earned {
     is_borne_out: bool,
 }
 
-/// A fit with a curve, if that earns its place beside or instead of the causes `chosen`.
-fn earned(problem: &Problem, chosen: &Fit, (fit, orders): (Fit, Vec<usize>)) -> Option<Earned> {
+/// A fit with a curve to the blocks for fitting, if that earns its place beside or instead of the
+/// causes `chosen`; `last` are these, fitted to the development part.
+fn earned(
+    problem: &Problem,
+    [chosen, last]: [&Fit; 2],
+    (found, orders): (Fit, Vec<usize>),
+) -> Option<Earned> {
     let split = &problem.split;
-    let gain = criterion(problem, chosen, &orders) - criterion(problem, &fit, &orders);
     // A short record passes other places in the blocks that choose than in those that were fitted,
     // where a curve is what its neighbours are: how much it matters is a matter of both.
-    let on_both = compare(
-        &chosen.residual,
-        &fit.residual,
-        &fit.noise,
-        &split.development,
-    );
+    let both = &split.development;
+    let ended = fit(problem, found.point.clone(), both, &orders, true).ok()?;
+    let gain = criterion(problem, last, &orders) - criterion(problem, &ended, &orders);
+    let on_both = compare(&last.residual, &ended.residual, &ended.noise, both);
     let is_likely = gain > OVERWHELMING
         && on_both.practical >= problem.options.min_gain
-        && stands_out(problem, gain, &chosen.residual, &fit.residual);
+        && stands_out(problem, gain, &last.residual, &ended.residual);
     if !is_likely {
         return None;
     }
     let parts = [&split.train, &split.validation];
-    let on_validation = borne_out(problem, &chosen.residual, &fit, parts).ok()?;
+    let on_validation = borne_out(problem, &chosen.residual, &found, parts).ok()?;
     (on_validation != Some(false)).then(|| Earned {
         is_borne_out: on_validation == Some(true),
-        fit,
-        orders,
+        fit: ended,
         gain,
     })
 }
 
 /// Fits of these curves beside the causes, and in place of those on the same joint: those that earn
 /// their place, likeliest first.
-fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<Found>) -> Vec<Earned> {
+fn earning(problem: &Problem, outcome: &Outcome, last: &Fit, wanted: Vec<Found>) -> Vec<Earned> {
     let chosen = &outcome.chosen;
     let starts: Vec<Point> = (wanted.into_iter())
         .flat_map(|curve| {
@@ -232,7 +232,7 @@ fn earning(problem: &Problem, outcome: &Outcome, wanted: Vec<Found>) -> Vec<Earn
     let train = &problem.split.train;
     let fitted = |start: Point| {
         let first = fit(problem, start, train, &outcome.orders, false).ok()?;
-        earned(problem, chosen, settled(problem, first).ok()?)
+        earned(problem, [chosen, last], settled(problem, first).ok()?)
     };
     let mut found: Vec<Earned> = starts.into_par_iter().filter_map(fitted).collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));

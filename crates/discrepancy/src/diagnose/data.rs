@@ -97,6 +97,9 @@ pub struct Observation {
     pub regressors: Vec<Regressor>,
     /// What the outputs are filtered and thinned from, where they are.
     pub fine: Option<Fine>,
+    /// Samples, and those at which the inputs, and what they were before, come again: of passes, or
+    /// of periods.
+    pub again: Vec<[usize; 2]>,
 }
 
 /// Places over which a residual may wave, at the rate before outputs were filtered and thinned.

@@ -6,6 +6,8 @@
 //! likelihood, in which all values are integrated out, is what a curve is held against a model
 //! without it by.
 
+use std::ops::Range;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::data::Rows;
@@ -19,6 +21,9 @@ pub(super) const AT_FIRST: f64 = 1e-4;
 /// value to straight lines.
 const DECADES: (i32, i32) = (-12, 3);
 const IN_A_DECADE: i32 = 2;
+/// Part of the square of what a curve changes in the channel where it changes most, from which on a
+/// channel shows it.
+const LEAST_SHOWN: f64 = 0.01;
 
 /// The curve among the variables of a point, with the price of its bending.
 pub(super) struct Smooth {
@@ -41,8 +46,29 @@ impl Smooth {
         })
     }
 
-    fn own(&self) -> std::ops::Range<usize> {
+    fn own(&self) -> Range<usize> {
         self.first..self.first + self.bending.nrows()
+    }
+
+    /// The places of the channels that the curve changes in what was whitened, channel by channel:
+    /// those in which its values show by more than a hundredth of the square that they do most.
+    pub fn channels(&self, rows: &Rows, columns: &[Vec<f64>]) -> Vec<Range<usize>> {
+        let ends = rows.per_channel.iter().scan(0, |end, rows| {
+            let start = *end;
+            *end += rows.len();
+            Some(start..*end)
+        });
+        let shows = |range: &Range<usize>| -> f64 {
+            let own = columns[self.own()].iter().map(|x| &x[range.clone()]);
+            own.map(|x| dot(x, x)).sum()
+        };
+        let all: Vec<(Range<usize>, f64)> =
+            ends.map(|range| (range.clone(), shows(&range))).collect();
+        let most = all.iter().map(|(_, shows)| *shows).fold(0.0, f64::max);
+        let bent = all
+            .into_iter()
+            .filter(|(_, shows)| *shows >= LEAST_SHOWN * most);
+        bent.map(|(range, _)| range).collect()
     }
 
     /// Whether a variable is one of the curve's.
@@ -80,7 +106,8 @@ impl Smooth {
 
     /// Takes the weight under which the data are likeliest, the noise's level integrated out, where
     /// the model is linear about the variables: `normal` and `slope` are of the data and the
-    /// priors, `squares` what they have to explain at so many `rows`. Only the free variables move.
+    /// priors, `squares` what they have to explain at so many `rows`, both of the channels that the
+    /// curve changes. Only the free variables move.
     pub fn choose(
         &mut self,
         variables: &[Variable],

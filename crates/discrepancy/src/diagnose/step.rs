@@ -59,6 +59,56 @@ fn is_close(decrement: f64, squares: f64) -> bool {
     decrement < 1.0 + 1e-3 * squares
 }
 
+/// Normal equations with what damps them.
+struct Normal {
+    form: DMatrix<f64>,
+    /// Of each diagonal, the part that is of the data and of priors. What bends no curve, a line or
+    /// a level, is as free with a high price of bending as with a low one: damped in proportion to
+    /// the price it would not move.
+    measured: DVector<f64>,
+}
+
+/// Relative, of what is measured and of all: singular where nothing else is.
+const JITTER: f64 = 1e-9;
+const LEAST_JITTER: f64 = 1e-13;
+
+impl Normal {
+    fn new(form: DMatrix<f64>, smooth: Option<&Smooth>, free: &[usize]) -> Normal {
+        let measured = DVector::from_fn(free.len(), |a, _| match smooth {
+            None => 1.0,
+            Some(smooth) => {
+                let stiff = smooth.stiffness(free[a], free[a]);
+                LEAST_JITTER / JITTER + (1.0 - stiff / form[(a, a)]).max(0.0)
+            }
+        });
+        Normal { form, measured }
+    }
+
+    /// Those of some variables.
+    fn part(&self, of: &[usize]) -> Normal {
+        let k = of.len();
+        Normal {
+            form: DMatrix::from_fn(k, k, |a, b| self.form[(of[a], of[b])]),
+            measured: DVector::from_fn(k, |a, _| self.measured[of[a]]),
+        }
+    }
+
+    fn solve(&self, gradient: &DVector<f64>, damping: f64) -> DVector<f64> {
+        let (k, form) = (gradient.len(), &self.form);
+        let scale = DVector::from_fn(k, |i, _| 1.0 / form[(i, i)].sqrt().max(1e-150));
+        let mut scaled = DMatrix::from_fn(k, k, |i, j| form[(i, j)] * scale[i] * scale[j]);
+        for i in 0..k {
+            scaled[(i, i)] += (damping + JITTER) * self.measured[i];
+        }
+        match scaled.cholesky() {
+            Some(factor) => factor
+                .solve(&gradient.component_mul(&scale))
+                .component_mul(&scale),
+            None => DVector::zeros(k),
+        }
+    }
+}
+
 impl Solver<'_, '_> {
     pub fn noise(&self, coloured: bool) -> Noise {
         let floor = &self.problem.floor;
@@ -88,6 +138,7 @@ impl Solver<'_, '_> {
         self.choose_weight(&target, &columns);
         let before = dot(&target, &target) + self.penalty(&self.variables);
         let (normal, gradient, free) = self.normal_equations(&target, &columns);
+        let normal = Normal::new(normal, self.smooth.as_ref(), &free);
         if free.is_empty() {
             return Step::Converged;
         }
@@ -95,7 +146,7 @@ impl Solver<'_, '_> {
         let decrement = match self.smooth {
             None => gradient.dot(&undamped),
             // What a bound stops is no least square.
-            Some(_) => 2.0 * gradient.dot(&undamped) - undamped.dot(&(&normal * &undamped)),
+            Some(_) => 2.0 * gradient.dot(&undamped) - undamped.dot(&(&normal.form * &undamped)),
         };
         self.decrement = decrement;
         self.close = is_close(decrement, before);
@@ -143,7 +194,11 @@ impl Solver<'_, '_> {
         let Some(mut smooth) = self.smooth.take() else {
             return;
         };
-        let squares = dot(target, target) + self.penalty(&self.variables);
+        // Channels that the curve does not change have noise of their own, and say nothing of its.
+        let bent = smooth.channels(self.rows, columns);
+        let own = bent.iter().map(|rows| &target[rows.clone()]);
+        let squares = own.map(|x| dot(x, x)).sum::<f64>() + self.penalty(&self.variables);
+        let rows = bent.iter().map(ExactSizeIterator::len).sum();
         // Without the price that they have so far.
         let pulls = smooth.pulls(&self.variables);
         let k = self.variables.len();
@@ -154,7 +209,6 @@ impl Solver<'_, '_> {
                 whole[(i, j)] = normal[(a, b)] - smooth.stiffness(i, j);
             }
         }
-        let rows = self.rows.len();
         smooth.choose(&self.variables, (&whole, &slope), &free, squares, rows);
         if let Some(curve) = self.point.effects.last_mut() {
             curve.smoothing = smooth.weight;
@@ -166,12 +220,12 @@ impl Solver<'_, '_> {
     /// bound stay there, and the others make do with it.
     fn wanted(
         &self,
-        normal: &DMatrix<f64>,
+        normal: &Normal,
         gradient: &DVector<f64>,
         free: &[usize],
         damping: f64,
     ) -> DVector<f64> {
-        let mut step = self.solve(normal, gradient, damping);
+        let mut step = normal.solve(gradient, damping);
         let Some(smooth) = &self.smooth else {
             return step;
         };
@@ -188,13 +242,12 @@ impl Solver<'_, '_> {
             if !changed || rest.is_empty() {
                 break;
             }
-            let k = rest.len();
-            let part = DMatrix::from_fn(k, k, |a, b| normal[(rest[a], rest[b])]);
-            let right = DVector::from_fn(k, |a, _| {
+            let right = DVector::from_fn(rest.len(), |a, _| {
                 let by_held = (0..held.len()).filter(|&b| held[b]);
-                gradient[rest[a]] - by_held.map(|b| normal[(rest[a], b)] * step[b]).sum::<f64>()
+                let pull = by_held.map(|b| normal.form[(rest[a], b)] * step[b]);
+                gradient[rest[a]] - pull.sum::<f64>()
             });
-            let moved = self.solve(&part, &right, damping);
+            let moved = normal.part(&rest).solve(&right, damping);
             (rest.iter().zip(moved.iter())).for_each(|(&a, x)| step[a] = *x);
         }
         step
@@ -236,21 +289,6 @@ impl Solver<'_, '_> {
             dot(&columns[i], &columns[j]) + prior + stiff
         });
         (normal, DVector::from_fn(k, |a, _| slope[free[a]]), free)
-    }
-
-    fn solve(&self, normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> DVector<f64> {
-        let k = gradient.len();
-        let scale = DVector::from_fn(k, |i, _| 1.0 / normal[(i, i)].sqrt().max(1e-150));
-        let mut scaled = DMatrix::from_fn(k, k, |i, j| normal[(i, j)] * scale[i] * scale[j]);
-        for i in 0..k {
-            scaled[(i, i)] += damping + 1e-9;
-        }
-        match scaled.cholesky() {
-            Some(factor) => factor
-                .solve(&gradient.component_mul(&scale))
-                .component_mul(&scale),
-            None => DVector::zeros(k),
-        }
     }
 
     fn moved(&self, free: &[usize], step: &DVector<f64>) -> Point {

@@ -6,6 +6,8 @@ mod inputs;
 mod period;
 mod steps;
 
+use std::ops::Range;
+
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::{Measured, MeasuredChannel};
 use truecut_scenario::{ProcessSpec, ReplayMode, Scenario};
@@ -85,6 +87,7 @@ impl<'a> Recording<'a> {
             output.noise_without_memory = known.without_memory;
             output.held_step = known.held_step;
         }
+        observation.again = self.again();
     }
 
     /// Of the channel of this name.
@@ -130,32 +133,52 @@ impl<'a> Recording<'a> {
         }
     }
 
+    /// Rows of each pass but the last, or of each period of the inputs, and how much later the next
+    /// is at the same place.
+    fn repeats(&self) -> Vec<(Range<usize>, f64)> {
+        let passes = self.raw.passes();
+        let count = self.used.time_s.len();
+        if passes.len() > 1 && self.raw.inputs().next().is_none() {
+            let interval_s = self.raw.interval_s();
+            let pairs = passes.windows(2).map(|pair| {
+                let lag = (pair[1].start_s - pair[0].start_s) / interval_s;
+                let end = pair[0].samples.end.min(pair[1].samples.end);
+                let known = before(lag, pair[1].samples.end);
+                (pair[0].samples.start..end.min(known), lag)
+            });
+            return pairs.collect();
+        }
+        let (Some(period), 1) = (self.period, passes.len()) else {
+            return Vec::new();
+        };
+        let last = before(period, count);
+        let starts = (0..).map(|k| (f64::from(k) * period).round() as usize);
+        let starts: Vec<usize> = starts.take_while(|start| *start < last).collect();
+        let ends = starts.iter().skip(1).copied().chain([last]);
+        let ranges = starts.iter().zip(ends).map(|(start, end)| *start..end);
+        ranges.map(|range| (range, period)).collect()
+    }
+
+    /// Samples of the data, and those at which the inputs come again.
+    fn again(&self) -> Vec<[usize; 2]> {
+        let pairs = self.repeats().into_iter().flat_map(|(rows, lag)| {
+            let rows = rows.filter(|row| row % self.every == 0);
+            rows.map(move |row| [row as f64, row as f64 + lag])
+        });
+        let sample = |row: f64| (row / self.every as f64).round() as usize;
+        let count = self.used.time_s.len().div_ceil(self.every);
+        pairs
+            .map(|pair| pair.map(sample))
+            .filter(|[_, later]| *later < count)
+            .collect()
+    }
+
     /// Differences between one pass and the next, or one period of the inputs and the next, of the
     /// size of the noise of one.
     fn repeated(&self, used: &MeasuredChannel) -> Option<NoiseSample> {
-        let passes = self.raw.passes();
-        let mut stretches = Vec::new();
-        if passes.len() > 1 && self.raw.inputs().next().is_none() {
-            let interval_s = self.raw.interval_s();
-            for pair in passes.windows(2) {
-                let lag = (pair[1].start_s - pair[0].start_s) / interval_s;
-                let range = pair[0].samples.start..pair[0].samples.end.min(pair[1].samples.end);
-                let end = pair[1].samples.end as f64;
-                let range = range.filter(|row| *row as f64 + lag < end - 1.0);
-                stretches.push(self.differences(used, lag, range));
-            }
-        } else if passes.len() == 1 {
-            let period = self.period?;
-            let count = used.values.len();
-            let mut start = 0;
-            while (start as f64) + period < count as f64 - 1.0 {
-                let end = ((start as f64 + period).round() as usize).min(count);
-                let inside = move |row: &usize| (*row as f64) + period < count as f64 - 1.0;
-                stretches.push(self.differences(used, period, (start..end).filter(inside)));
-                start = end;
-            }
-        }
-        NoiseSample::of(NoiseSource::Repetition, stretches, LEAST_SAMPLES)
+        let repeats = self.repeats().into_iter();
+        let stretches = repeats.map(|(rows, lag)| self.differences(used, lag, rows));
+        NoiseSample::of(NoiseSource::Repetition, stretches.collect(), LEAST_SAMPLES)
     }
 
     fn differences(
@@ -231,8 +254,13 @@ pub(crate) fn without_memory(values: &[f64], valid: &[bool]) -> f64 {
     if least.is_finite() { least } else { 0.0 }
 }
 
+/// The first row whose later one is not before the last but one of `count`.
+fn before(lag: f64, count: usize) -> usize {
+    (count as f64 - 1.0 - lag).max(0.0).ceil() as usize
+}
+
 /// Stretches of samples that are marked.
-pub(super) fn runs(marked: &[bool]) -> Vec<std::ops::Range<usize>> {
+pub(super) fn runs(marked: &[bool]) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = None;
     for (k, marked) in marked.iter().chain(std::iter::once(&false)).enumerate() {

@@ -83,6 +83,7 @@ pub(super) fn observation(
         outputs,
         regressors,
         fine: None,
+        again: Vec::new(),
     }
 }
 

@@ -11,7 +11,7 @@ use super::Target;
 use super::onset::{Step, Sums};
 use crate::diagnose::answer::target_name;
 use crate::diagnose::features::{Group, Onset};
-use crate::diagnose::noise::{dot, explained};
+use crate::diagnose::noise::{ChannelNoise, dot, explained};
 use crate::diagnose::signature::Signature;
 use crate::model::Columns;
 
@@ -76,12 +76,24 @@ impl Target<'_> {
             let kind = |one: &Group| one.changes.map(|onset| onset.moments_s().count());
             let is_new =
                 (best.iter()).all(|other| other.law != group.law || kind(other) != kind(&group));
-            if is_new && best.len() < PROMISING {
+            if is_new && best.len() < PROMISING && !self.comes_again(&group) {
                 best.push(group);
             }
         }
         let refined = best.into_par_iter();
         refined.map(|group| self.refined(group, &samples)).collect()
+    }
+
+    /// Whether what goes with time does not show between passes or periods of the inputs: without
+    /// it they differ by more. What comes again with the motion is no change over time.
+    pub(super) fn comes_again(&self, group: &Group) -> bool {
+        let left = self.without(&[group], &ChannelNoise::WHITE);
+        let between = |x: &[f64]| -> f64 {
+            let pairs = self.problem.data.again.iter();
+            let pairs = pairs.filter(|pair| pair.iter().all(|&t| self.valid[t]));
+            pairs.map(|&[t, later]| (x[later] - x[t]).powi(2)).sum()
+        };
+        between(&left) > between(self.residual)
     }
 
     /// A change at once, where its moments lie between samples, through the filter of the data.

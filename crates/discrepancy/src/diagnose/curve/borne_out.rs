@@ -1,5 +1,7 @@
 //! What rows that a curve was not fitted to say of it.
 
+use truecut_scenario::effect::EffectKind;
+
 use crate::diagnose::DiagnoseError;
 use crate::diagnose::data::Rows;
 use crate::diagnose::derivatives::difference;
@@ -22,7 +24,8 @@ const Z99: f64 = 2.575_829;
 /// Whether other rows than those to which a model with a curve was `fitted` bear it out against one
 /// that leaves `without`; `None` where it says nothing of them. A curve follows the noise a little
 /// wherever it has values, and predicts rows that its law does not reach worse for that, by as much
-/// as it changes them: only what is beyond its band counts against it.
+/// as it changes them: only what is beyond its band counts against it, and for it as well. A
+/// friction in the place of the causes on its joint is its own mean where it was not seen.
 pub(super) fn borne_out(
     problem: &Problem,
     without: &Columns,
@@ -30,6 +33,11 @@ pub(super) fn borne_out(
     [fitted, others]: [&Rows; 2],
 ) -> Result<Option<bool>, DiagnoseError> {
     if compare(without, &with.residual, &with.noise, others).gain > 0.0 {
+        return Ok(Some(true));
+    }
+    let limited = within_its_band(problem, with, [fitted, others])?;
+    let bears = |left: &Columns| compare(without, left, &with.noise, others).gain > 0.0;
+    if limited.as_ref().is_some_and(bears) {
         return Ok(Some(true));
     }
     let squares = |residual: &Columns, rows: &Rows| {
@@ -42,14 +50,25 @@ pub(super) fn borne_out(
     if squares(&with.residual, others) <= least {
         return Ok(None);
     }
-    let beyond = beyond_its_band(problem, with, [fitted, others])?;
-    let is_silent = beyond.is_some_and(|residual| squares(&residual, others) <= least);
+    let is_silent = limited.is_some_and(|residual| squares(&residual, others) <= least);
     Ok((!is_silent).then_some(false))
 }
 
+/// Whether a curve is of friction, and nothing else acts on its joint.
+fn is_alone(problem: &Problem, with: &Fit) -> bool {
+    let Some((curve, others)) = with.point.effects.split_last() else {
+        return false;
+    };
+    let own = &problem.candidates[curve.candidate];
+    let mut others = others
+        .iter()
+        .map(|one| &problem.candidates[one.candidate].target);
+    own.kind != EffectKind::JointPositionCurve && others.all(|target| *target != own.target)
+}
+
 /// What a model with a curve leaves of other rows than those to which it was `fitted`, if the curve
-/// is nothing where its 99 % interval holds that.
-fn beyond_its_band(
+/// is nothing where its 99 % interval holds that; one that is alone is its mean there.
+fn within_its_band(
     problem: &Problem,
     with: &Fit,
     [fitted, others]: [&Rows; 2],
@@ -58,12 +77,20 @@ fn beyond_its_band(
     let (Some(all), Some((first, curve))) = (all, problem.curve(&with.point)) else {
         return Ok(None);
     };
+    let variance = |i: usize| all[(first + i, first + i)].max(f64::MIN_POSITIVE);
+    // As each value is known.
+    let weighed = |of: &dyn Fn(f64) -> f64| -> f64 {
+        let values = curve.values.iter().enumerate();
+        values.map(|(i, value)| of(*value) / variance(i)).sum()
+    };
+    let mean = weighed(&|value| value) / weighed(&|_| 1.0);
+    let is_alone = is_alone(problem, with);
     let pairs = curve.values.iter().zip(problem.infos(curve.candidate));
     let values = pairs.enumerate().map(|(i, (value, info))| {
-        let error = all[(first + i, first + i)].max(0.0).sqrt();
-        match (value - info.neutral).abs() > Z99 * error {
+        let unseen = if is_alone { mean } else { info.neutral };
+        match (value - unseen).abs() > Z99 * variance(i).sqrt() {
             true => *value,
-            false => info.neutral,
+            false => unseen,
         }
     });
     let values: Vec<f64> = values.collect();

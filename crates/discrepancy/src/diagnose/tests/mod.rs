@@ -56,6 +56,7 @@ pub(in crate::diagnose) fn observed(
         trajectories: std::iter::once(0..samples).collect(),
         regressors: Vec::new(),
         fine: None,
+        again: Vec::new(),
     }
 }
 
