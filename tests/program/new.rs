@@ -259,6 +259,8 @@ fn arguments_of_a_xacro_file_go_into_the_scenario() {
     let scenario = std::fs::read_to_string(desk.path("scenario.toml")).unwrap();
     let key = "\narguments = { \"mass\" = \"50\", \"side\" = \"left\" }\n";
     assert!(scenario.contains(key), "{scenario}");
+    // What lies beside the scenario goes with it.
+    assert!(scenario.contains("\nurdf = 'rig.xacro'\n"), "{scenario}");
     desk.refused(
         &["run", "scenario.toml", "--set", "robot.arguments.mas=50"],
         &["did you mean \"mass\"?", "(given by --set)"],

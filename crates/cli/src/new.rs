@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use truecut::outputs::write_file;
 use truecut_arm::{FrameId, Joint, JointKind, Limits, Masses, Packages, Reading, Robot};
-use truecut_scenario::Scenario;
+use truecut_scenario::{Scenario, named_from};
 use truecut_sim::run::Run;
 
 use crate::args::{NewArguments, ProcessName};
@@ -314,11 +314,20 @@ fn filled(arguments: &NewArguments, robot: &Robot, start: &Start) -> Result<Stri
         ProcessName::Milling => (include_str!("new/milling.toml"), "Milling"),
         ProcessName::Polish => (include_str!("new/polish.toml"), "Polishing"),
     };
+    let folder = arguments
+        .out
+        .parent()
+        .map(|folder| Path::new(".").join(folder));
+    let folder = folder.and_then(|folder| folder.canonicalize().ok());
     let file = |path: &Path| {
-        let path = path
+        let real = path
             .canonicalize()
             .map_err(|error| Failure::at(path, error))?;
-        let text = path.display().to_string();
+        let named = match &folder {
+            Some(folder) if path.is_relative() => named_from(folder, &real),
+            _ => real,
+        };
+        let text = named.display().to_string();
         match text.contains('\'') {
             true => Err(Failure::message(format!(
                 "{text}: a path with ' cannot be written here"

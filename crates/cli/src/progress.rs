@@ -17,6 +17,9 @@ const BETWEEN_LINES: Duration = Duration::from_secs(5);
 /// Part of the work below which no time is forecast: what is set up at first takes longer.
 const FORECAST_FROM: f64 = 0.05;
 
+/// And from which on none is.
+const NO_FORECAST_FROM: f64 = 0.995;
+
 /// Divisions of the bar per run.
 const PARTS: f64 = 1000.0;
 
@@ -43,7 +46,8 @@ impl Lines {
         }
         self.last = elapsed;
         let spent_s = elapsed.as_secs_f64();
-        let left = if part >= FORECAST_FROM {
+        // How long what comes beyond all that was foreseen takes is not known.
+        let left = if (FORECAST_FROM..NO_FORECAST_FROM).contains(&part) {
             format!(", about {} left", time(spent_s * (1.0 - part) / part))
         } else {
             String::new()
@@ -78,6 +82,19 @@ impl PatientBar {
             shown: AtomicBool::new(false),
             lines: (!std::io::stderr().is_terminal()).then(Mutex::default),
         }
+    }
+
+    /// So many runs were made, and this is what they are for now. A search may end beyond those
+    /// that it was allowed: what it found is held against others, confirmed and drawn.
+    pub fn made(&self, runs: usize, what: String) {
+        self.tell(|bar| {
+            let runs = runs as u64;
+            if bar.length().is_some_and(|length| length <= runs) {
+                bar.set_length(runs + 1);
+            }
+            bar.set_message(what);
+            bar.set_position(runs);
+        });
     }
 
     /// Changes the bar, from any thread.
@@ -181,6 +198,8 @@ mod tests {
             long.as_deref(),
             Some("  x: 25 % after 2 h 0 min, about 6 h 0 min left")
         );
+        let beyond = lines.due(Duration::from_secs(7300), "x", 0.999);
+        assert_eq!(beyond.as_deref(), Some("  x: 100 % after 2 h 1 min"));
         let none = lines.due(Duration::from_secs(8000), "x", 0.049);
         assert_eq!(none.as_deref(), Some("  x: 5 % after 2 h 13 min"));
     }

@@ -114,6 +114,7 @@ pub use process::{
     WheelHold, WheelPart,
 };
 pub use processes::{NameTaken, Processes};
+pub use relocate::named_from;
 pub use robot::{DriveKind, RobotSpec};
 pub use run::{FaultRule, LONGEST_S, RunSpec};
 pub use scenario::Scenario;

@@ -51,6 +51,11 @@ fn rewrite(item: Option<&mut Item>, from: &Path, to: &Path) {
     *value.decor_mut() = decor;
 }
 
+/// How a scenario in `folder` names a file. Links lead elsewhere: the paths are those without.
+pub fn named_from(folder: &Path, file: &Path) -> PathBuf {
+    relative(&absolute(file), &absolute(folder))
+}
+
 /// The path from the root, without `.` and `..`; links are left as they are.
 fn absolute(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
@@ -98,6 +103,16 @@ mod tests {
         );
         assert!(moved.contains("file = \"/data/b.csv\""), "{moved}");
         assert!(moved.contains("\"../../scenarios/other.toml\""), "{moved}");
+    }
+
+    #[test]
+    fn a_file_beside_the_scenario_is_named_without_a_folder() {
+        let named = |folder: &str, file: &str| named_from(Path::new(folder), Path::new(file));
+        assert_eq!(named("/cell", "/cell/arm.urdf"), Path::new("arm.urdf"));
+        assert_eq!(
+            named("/cell/a", "/cell/arms/b.urdf"),
+            Path::new("../arms/b.urdf")
+        );
     }
 
     #[test]

@@ -60,12 +60,7 @@ pub fn diagnose(arguments: &DiagnoseArguments) -> Result<ExitCode, Failure> {
         Some(signals.stop()),
     )
     .map_err(|error| Failure::at(&runs, error))?;
-    let show = |now: Progress| {
-        bar.tell(|bar| {
-            bar.set_message(words(now.stage));
-            bar.set_position(now.predictions as u64);
-        });
-    };
+    let show = |now: Progress| bar.made(now.predictions, words(now.stage).into());
     let answer = told(&bar, words(Stage::Nominal), || {
         diagnose::diagnose(&model, &trial.observation, &options, &show)
     });

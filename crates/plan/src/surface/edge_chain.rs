@@ -5,7 +5,7 @@ use std::collections::{HashMap, VecDeque};
 use nalgebra::{Unit, Vector3};
 use thiserror::Error;
 
-use super::error::place;
+use super::error::place_mm;
 use super::mesh::Mesh;
 use super::mesh_edges::SharpEdge;
 
@@ -25,7 +25,7 @@ pub enum EdgeFault {
     )]
     None { crease_deg: f64 },
     #[error(
-        "the point lies {away_mm:.4} mm off the nearest edge that stands out by {crease_deg:.1} deg or more, at {nearest} m; it picks one up to {limit_mm:.4} mm off, a thousandth of the part's diagonal"
+        "the point lies {away_mm:.4} mm off the nearest edge that stands out by {crease_deg:.1} deg or more, at {nearest} mm; it picks one up to {limit_mm:.4} mm off, a thousandth of the part's diagonal"
     )]
     OffTheEdge {
         away_mm: f64,
@@ -162,7 +162,7 @@ impl Mesh {
             return Err(EdgeFault::OffTheEdge {
                 away_mm: away_m(&piece) * 1e3,
                 crease_deg,
-                nearest: place(&edges[piece].nearest_m(point_m)),
+                nearest: place_mm(&edges[piece].nearest_m(point_m)),
                 limit_mm: limit_m * 1e3,
             });
         }

@@ -183,7 +183,13 @@ pub enum SurfaceFault {
     },
 }
 
-/// A place as people read it.
+/// A place as people read it, in mm.
+pub(crate) fn place_mm(p_m: &nalgebra::Vector3<f64>) -> String {
+    let [x, y, z] = [p_m.x, p_m.y, p_m.z].map(|x_m| 1e3 * x_m);
+    format!("({x:.4}, {y:.4}, {z:.4})")
+}
+
+/// A place as people read it, m.
 pub(crate) fn place(p: &nalgebra::Vector3<f64>) -> String {
     format!("({:.6}, {:.6}, {:.6})", p.x, p.y, p.z)
 }

@@ -36,12 +36,7 @@ pub fn diagnose(
     let pair = Between::new(scenario, &first, &second).map_err(failed)?;
     let most = options.max_predictions as u64;
     let bar = PatientBar::new(most, "{msg:32} {wide_bar} {pos} runs  {elapsed}");
-    let show = |now: Progress| {
-        bar.tell(|bar| {
-            bar.set_message(words(now.stage));
-            bar.set_position(now.predictions as u64);
-        });
-    };
+    let show = |now: Progress| bar.made(now.predictions, words(now.stage).into());
     let answer = changes(&pair, &options, &show);
     drop(bar);
     let answer = answer.map_err(failed)?;
