@@ -14,13 +14,16 @@ import argparse
 import hashlib
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -146,14 +149,28 @@ def run_pytest(python: Path) -> Counts:
     return counts
 
 
+@contextmanager
+def timed(part: str, times: list[str]) -> Iterator[None]:
+    """Adds a line on how long a part took, and how many cores it kept busy: what time could be had by more side by side."""
+    begun, used = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    yield
+    wall, now = time.monotonic() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu = now.ru_utime + now.ru_stime - used.ru_utime - used.ru_stime
+    times.append(f"{part}: {wall:.0f} s, {cpu / max(wall, 1e-3):.2f} cores")
+
+
 def main() -> int:
     """Runs both parts, whatever comes of the first."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    python = prepare()
-    rust = run_cargo(python)
-    scripts = run_pytest(python)
+    times = []
+    with timed("packages and build", times):
+        python = prepare()
+    with timed("Rust tests", times):
+        rust = run_cargo(python)
+    with timed("Python tests", times):
+        scripts = run_pytest(python)
     total = rust + scripts
-    print(f"\ncargo test: {rust}\nPython: {scripts}")
+    print("", *times, f"cargo test: {rust}", f"Python: {scripts}", sep="\n")
     for test in total.skipped:
         print(f"skipped: {test}")
     print(total)
