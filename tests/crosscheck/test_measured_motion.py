@@ -147,38 +147,35 @@ def test_crosscheck_mujoco_a_link_of_another_mass_is_named(truecut, tmp_path, se
     assert abs(value["value"] - factor) < 0.75 * (value["high"] - value["low"]) + 1e-3
 
 
-def drawn_off(arm: Quiet, seed: int) -> tuple[int, np.ndarray]:
-    """A link, not the first, and by how much the file has its centre of mass elsewhere, m: 10 to 40 mm."""
-    draw = np.random.default_rng([seed, 7])
+def drawn_off(draw: np.random.Generator, last: int, least: float) -> tuple[int, np.ndarray]:
+    """A link from the second to the last, and by how much the file has something of it elsewhere, m: up to 40 mm."""
     direction = draw.normal(size=3)
-    return int(draw.integers(2, arm.joints + 1)), draw.uniform(0.01, 0.04) * direction / np.linalg.norm(direction)
+    return int(draw.integers(2, last + 1)), draw.uniform(least, 0.04) * direction / np.linalg.norm(direction)
 
 
-def drawn_long(arm: Quiet, seed: int) -> tuple[int, np.ndarray]:
-    """A link that carries another, not the first, and by how much the file has that elsewhere on it, m."""
-    draw = np.random.default_rng([seed, 9])
-    direction = draw.normal(size=3)
-    return int(draw.integers(2, arm.joints)), draw.uniform(0.015, 0.04) * direction / np.linalg.norm(direction)
+def causes_with(truecut, folder: Path, arm: Quiet, place: str, off: np.ndarray) -> tuple[str, dict]:
+    """The verdict and the causes where the file has the place behind a text `off` from where the machine has it."""
+    forces, text = arm.drive_forces(), arm.urdf
+
+    def moved(found: re.Match) -> str:
+        return f'{found[1]}{" ".join(map(str, np.array(found[2].split(), float) - off))}"'
+
+    arm.urdf = re.sub(rf'({place}.*?<origin xyz=")([^"]+)"', moved, text, count=1)
+    assert arm.urdf != text
+    arm.drive_forces = lambda: forces
+    found = diagnosed(truecut, folder, arm, resample_hz=100, cutoffs_hz=(20, 6))
+    causes = {(one["kind"], one["target"]): one["parameters"] for one in found["causes"]}
+    print(found["verdict"], found["reason"], causes, place, off)
+    return found["verdict"], causes
 
 
 @pytest.mark.parametrize("seed", range(47_300, 47_304))
 def test_crosscheck_mujoco_a_link_with_its_centre_elsewhere_is_named(truecut, tmp_path, seed):
     """The file has the centre of mass of a link 10 to 40 mm from where the machine has it."""
     arm = Quiet(seed)
-    joint, off = drawn_off(arm, seed)
-    forces, text = arm.drive_forces(), arm.urdf
-
-    def moved(link: re.Match) -> str:
-        centre = np.array(link[2].split(), float) - off
-        return f'{link[1]}{" ".join(map(str, centre))}"'
-
-    arm.urdf = re.sub(rf'(<link name="link_{joint}"><inertial><origin xyz=")([^"]+)"', moved, text)
-    assert arm.urdf != text
-    arm.drive_forces = lambda: forces
-    found = diagnosed(truecut, tmp_path, arm, resample_hz=100, cutoffs_hz=(20, 6))
-    causes = {(one["kind"], one["target"]): one["parameters"] for one in found["causes"]}
-    print(found["verdict"], found["reason"], causes, joint, off)
-    assert found["verdict"] == "named" and list(causes) == [("link_center", f"joint{joint}")]
+    joint, off = drawn_off(np.random.default_rng([seed, 7]), arm.joints, 0.01)
+    verdict, causes = causes_with(truecut, tmp_path, arm, f'<link name="link_{joint}"><inertial>', off)
+    assert verdict == "named" and list(causes) == [("link_center", f"joint{joint}")]
     # Its place across the axis changes the moments of its own drive.
     for name, true in zip(("x_m", "y_m"), off, strict=False):
         value = causes["link_center", f"joint{joint}"][name]
@@ -193,20 +190,9 @@ ARMS_OF_THREE = [seed for seed in range(47_500, 47_520) if Arm(seed).joints > 2]
 def test_crosscheck_mujoco_a_link_of_another_length_is_named(truecut, tmp_path, seed):
     """The file has the next joint 15 to 40 mm from where it stands on its link."""
     arm = Quiet(seed)
-    joint, off = drawn_long(arm, seed)
-    forces, text = arm.drive_forces(), arm.urdf
-
-    def moved(carried: re.Match) -> str:
-        place = np.array(carried[2].split(), float) - off
-        return f'{carried[1]}{" ".join(map(str, place))}"'
-
-    arm.urdf = re.sub(rf'(<joint name="joint_{joint + 1}".*?<origin xyz=")([^"]+)"', moved, text, count=1)
-    assert arm.urdf != text
-    arm.drive_forces = lambda: forces
-    found = diagnosed(truecut, tmp_path, arm, resample_hz=100, cutoffs_hz=(20, 6))
-    causes = {(one["kind"], one["target"]): one["parameters"] for one in found["causes"]}
-    print(found["verdict"], found["reason"], causes, joint, off)
-    assert found["verdict"] == "named" and list(causes) == [("link_length", f"joint{joint}")]
+    joint, off = drawn_off(np.random.default_rng([seed, 9]), arm.joints - 1, 0.015)
+    verdict, causes = causes_with(truecut, tmp_path, arm, f'<joint name="joint_{joint + 1}"', off)
+    assert verdict == "named" and list(causes) == [("link_length", f"joint{joint}")]
     places = [causes["link_length", f"joint{joint}"][name] for name in ("x_m", "y_m", "z_m")]
     # What no drive feels has no interval.
     felt = [(value, true) for value, true in zip(places, off, strict=True) if value["low"] is not None]

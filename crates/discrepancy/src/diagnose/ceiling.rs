@@ -149,7 +149,8 @@ pub(super) fn bound(problem: &Problem, base: &Fit, last: &Fit, signatures: &[Sig
             .chain(&simulated)
             .chain(&own)
             .filter(|g| !g.by_signal || target.comes_back(g))
-            .filter(|g| !g.is_of_time() || !target.comes_again(g))
+            // Of laws that change it has been asked.
+            .filter(|g| !g.is_of_time() || !g.traces.is_empty() || !target.comes_again(g))
             .collect();
         let known = correlated_signals.len();
         let trial = target.explain(

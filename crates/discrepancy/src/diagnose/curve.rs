@@ -194,21 +194,21 @@ fn earned(
     (found, orders): (Fit, Vec<usize>),
 ) -> Option<Earned> {
     let split = &problem.split;
+    let parts = [&split.train, &split.validation];
+    let on_validation = borne_out(problem, &chosen.residual, &found, parts).ok()?;
+    if on_validation == Some(false) {
+        return None;
+    }
     // A short record passes other places in the blocks that choose than in those that were fitted,
     // where a curve is what its neighbours are: how much it matters is a matter of both.
     let both = &split.development;
-    let ended = fit(problem, found.point.clone(), both, &orders, true).ok()?;
+    let ended = fit(problem, found.point, both, &orders, true).ok()?;
     let gain = criterion(problem, last, &orders) - criterion(problem, &ended, &orders);
     let on_both = compare(&last.residual, &ended.residual, &ended.noise, both);
     let is_likely = gain > OVERWHELMING
         && on_both.practical >= problem.options.min_gain
         && stands_out(problem, gain, &last.residual, &ended.residual);
-    if !is_likely {
-        return None;
-    }
-    let parts = [&split.train, &split.validation];
-    let on_validation = borne_out(problem, &chosen.residual, &found, parts).ok()?;
-    (on_validation != Some(false)).then(|| Earned {
+    is_likely.then(|| Earned {
         is_borne_out: on_validation == Some(true),
         fit: ended,
         gain,

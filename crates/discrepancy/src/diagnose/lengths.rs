@@ -45,8 +45,8 @@ impl Search<'_, '_> {
             rests.push(outcome.base.point.clone());
         }
         let starts = rests.iter().flat_map(|rest| {
-            let lengths = problem.lengths();
-            lengths.map(|one| beside(problem, rest, one))
+            let absent = problem.lengths().filter(|&one| !rest.holds(one));
+            absent.map(|one| beside(problem, rest, one))
         });
         let orders = outcome.orders.clone();
         let fits = self.fit_all(starts.collect(), &orders, Race::None(None));

@@ -35,11 +35,6 @@ pub(super) fn borne_out(
     if compare(without, &with.residual, &with.noise, others).gain > 0.0 {
         return Ok(Some(true));
     }
-    let limited = within_its_band(problem, with, [fitted, others])?;
-    let bears = |left: &Columns| compare(without, left, &with.noise, others).gain > 0.0;
-    if limited.as_ref().is_some_and(bears) {
-        return Ok(Some(true));
-    }
     let squares = |residual: &Columns, rows: &Rows| {
         let change = difference(without, residual, 1.0);
         let change = with.noise.whiten(&change, rows);
@@ -49,6 +44,11 @@ pub(super) fn borne_out(
     let least = LEAST_ACTS.max(FAINT * share * squares(&with.residual, fitted));
     if squares(&with.residual, others) <= least {
         return Ok(None);
+    }
+    let limited = within_its_band(problem, with, [fitted, others])?;
+    let bears = |left: &Columns| compare(without, left, &with.noise, others).gain > 0.0;
+    if limited.as_ref().is_some_and(bears) {
+        return Ok(Some(true));
     }
     let is_silent = limited.is_some_and(|residual| squares(&residual, others) <= least);
     Ok((!is_silent).then_some(false))
