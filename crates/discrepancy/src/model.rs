@@ -74,6 +74,18 @@ pub trait Model: Sync {
         candidate.kind.parameters().to_vec()
     }
 
+    /// Sizes of a candidate of one parameter, in order, from each of which to the next no mode of
+    /// the machine moves by more than `step_hz`; for one whose signature is ringing. Empty where
+    /// it moves none.
+    fn sizes_by_mode(&self, _candidate: &Candidate, _step_hz: f64) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The slowest mode of the nominal machine, Hz.
+    fn slowest_mode_hz(&self) -> Option<f64> {
+        None
+    }
+
     /// Curves that may show what no candidate explains.
     fn curves(&self) -> Vec<CurveCandidate> {
         Vec::new()

@@ -169,6 +169,15 @@ impl Cell {
         self.plant.time_step_s()
     }
 
+    /// Natural frequencies of the arm at its start, slowest first, Hz.
+    ///
+    /// # Errors
+    /// A joint without a spring.
+    pub(crate) fn modes_hz(&self) -> Result<Vec<f64>, SimError> {
+        let modes = self.setting.robot.modes(&self.setting.start, None)?;
+        Ok(modes.frequency_hz)
+    }
+
     /// Time between two rows of the recording, s.
     pub fn row_interval_s(&self) -> f64 {
         self.steps_per_row as f64 * self.time_step_s()

@@ -23,12 +23,17 @@ const STEPS_PER_QUICKEST: f64 = 5.0;
 const ROUNDING: f64 = 1e-9;
 
 /// How the plant is stepped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Scheme {
     /// rapier's: second order in all that moves.
     Leapfrog,
     /// Exact for the linear arm; second order in what acts on it.
-    Exact,
+    Exact {
+        /// Default steps in one period of the fastest mode. The scheme keeps every mode in tune at
+        /// any step; what it needs are enough samples of the motion for contacts, records and
+        /// friction.
+        steps_per_period: f64,
+    },
     /// The same where a joint has play: of what happens when flanks meet a step must see enough.
     ExactWithPlay,
 }
@@ -38,7 +43,7 @@ impl Scheme {
     pub fn with_play(self) -> Self {
         match self {
             Self::Leapfrog => self,
-            Self::Exact | Self::ExactWithPlay => Self::ExactWithPlay,
+            Self::Exact { .. } | Self::ExactWithPlay => Self::ExactWithPlay,
         }
     }
 
@@ -52,17 +57,15 @@ impl Scheme {
     fn longest_s(self) -> f64 {
         match self {
             Self::Leapfrog => 0.25e-3,
-            Self::Exact | Self::ExactWithPlay => 0.8e-3,
+            Self::Exact { .. } | Self::ExactWithPlay => 0.8e-3,
         }
     }
 
-    /// Default steps in one period of the fastest mode. The exact scheme keeps every mode in tune
-    /// at any step; what it needs are enough samples of the motion for contacts, records and
-    /// friction.
+    /// Default steps in one period of the fastest mode.
     fn steps_per_period(self) -> f64 {
         match self {
             Self::Leapfrog => 60.0,
-            Self::Exact => 20.0,
+            Self::Exact { steps_per_period } => steps_per_period,
             Self::ExactWithPlay => 40.0,
         }
     }
@@ -72,7 +75,7 @@ impl Scheme {
     fn steps_per_base_period(self) -> f64 {
         match self {
             Self::Leapfrog => self.steps_per_period(),
-            Self::Exact | Self::ExactWithPlay => 5.0,
+            Self::Exact { .. } | Self::ExactWithPlay => 5.0,
         }
     }
 
@@ -89,7 +92,7 @@ impl Scheme {
     fn fewest_steps_per_period(self) -> f64 {
         match self {
             Self::Leapfrog => 8.0,
-            Self::Exact | Self::ExactWithPlay => 4.0,
+            Self::Exact { .. } | Self::ExactWithPlay => 4.0,
         }
     }
 }

@@ -279,6 +279,14 @@ impl Model for KeptModel<'_> {
         self.model.late()
     }
 
+    fn sizes_by_mode(&self, candidate: &Candidate, step_hz: f64) -> Vec<f64> {
+        self.model.sizes_by_mode(candidate, step_hz)
+    }
+
+    fn slowest_mode_hz(&self) -> Option<f64> {
+        self.model.slowest_mode_hz()
+    }
+
     fn predict(
         &self,
         nominal: &[f64],

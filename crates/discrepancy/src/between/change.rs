@@ -196,6 +196,14 @@ impl Model for Change<'_> {
         of_kinds(&self.candidates, |kind| self.pair.second.comes_late(kind))
     }
 
+    fn sizes_by_mode(&self, candidate: &Candidate, step_hz: f64) -> Vec<f64> {
+        self.pair.second.sizes_by_mode(candidate, step_hz)
+    }
+
+    fn slowest_mode_hz(&self) -> Option<f64> {
+        self.pair.second.slowest_mode_hz()
+    }
+
     fn predict(&self, nominal: &[f64], effects: &[Effect]) -> Result<Columns, PredictError> {
         self.predicted(self.pair.observation.time_s.len(), nominal, effects)
     }

@@ -40,6 +40,7 @@ mod race;
 mod refit;
 mod resonance;
 mod revise;
+mod ringing;
 mod scan;
 mod screen;
 mod search;

@@ -163,6 +163,14 @@ impl<'a> Problem<'a> {
         self.predict_first(self.split.searched, point)
     }
 
+    /// A prediction that is good at the first samples.
+    ///
+    /// # Errors
+    /// The simulation cannot be run.
+    pub fn predict_until(&self, samples: usize, point: &Point) -> Result<Columns, PredictError> {
+        self.predict_first(samples.min(self.split.searched), point)
+    }
+
     /// A prediction for all samples.
     ///
     /// # Errors

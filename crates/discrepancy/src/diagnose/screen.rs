@@ -199,6 +199,9 @@ impl<'a> Extension<'a> {
             found.gain = (self.zero - fit.objective).max(0.0);
             break;
         }
+        if signature.as_taken {
+            found.start.clone_from(&signature.values);
+        }
         match self.with_moments(signature) {
             Some(better) if better.gain > found.gain => better,
             _ => found,
@@ -253,6 +256,9 @@ impl<'a> Extension<'a> {
     /// Takes the signature anew at the sizes that were found.
     fn refine(&self, entry: &mut Ranked) {
         let (problem, base) = (self.problem, self.base);
+        if entry.signature.as_taken {
+            return;
+        }
         let infos = problem.infos(entry.candidate());
         for _ in 0..2 {
             let Some(predicted) = self.nearer(entry) else {

@@ -10,6 +10,7 @@ use super::orders::rippled;
 use super::pairs::pairs;
 use super::problem::{Found, Point, Problem};
 use super::race::{Race, run};
+use super::ringing::ringing;
 use super::screen::{Ranked, critical, rank};
 use super::signature::{Signature, signatures, tests};
 use super::unite::united;
@@ -39,6 +40,8 @@ pub(super) struct Outcome {
     /// Signatures of the nominal model, refitted. Beside effects they serve as well: those of the
     /// best are taken anew there.
     pub signatures: Vec<Signature>,
+    /// Effects whose signature is ringing were looked for.
+    pub rung: bool,
     /// A discrepancy was detected, and no fit of it ended well.
     pub failed: bool,
     /// The simulations allowed were used up while something was left to be fitted.
@@ -104,6 +107,7 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         ranking: Vec::new(),
         tests: 0,
         signatures: Vec::new(),
+        rung: false,
         failed: false,
         stopped: false,
         limited: false,
@@ -207,8 +211,17 @@ impl Search<'_, '_> {
             outcome.signatures = signatures(problem, base);
             outcome.signatures.extend(rippled(problem, base));
         }
+        let (orders, tests) = (&outcome.orders, outcome.tests);
+        let (mut ranking, mut starts) = self.screened(base, &outcome.signatures, orders, tests);
+        if !starts.is_empty() && !outcome.rung {
+            outcome.rung = true;
+            let further = ringing(problem, base);
+            if !further.is_empty() {
+                outcome.signatures.extend(further);
+                (ranking, starts) = self.screened(base, &outcome.signatures, orders, tests);
+            }
+        }
         let found = &outcome.signatures;
-        let (ranking, mut starts) = self.screened(base, found, &outcome.orders, outcome.tests);
         if base.point.effects.is_empty() && !starts.is_empty() && self.is_far(base) {
             // Nominal values may have been drawn there by what is to be found. What is promising
             // from where they were is found with the same signatures; those of the best are taken

@@ -23,6 +23,8 @@ pub(super) struct Signature {
     pub columns: Vec<Columns>,
     /// What else changes the prediction in proportion to the size.
     pub moments: Vec<Moment>,
+    /// A fit starts from these very values: a part of this change is that of no size.
+    pub as_taken: bool,
 }
 
 /// A parameter whose product with the size adds to the change, as a payload's mass times its centre
@@ -115,6 +117,7 @@ impl Screening<'_, '_> {
                 values,
                 sizes: sizes.clone(),
                 columns,
+                as_taken: false,
             });
         }
         ladder

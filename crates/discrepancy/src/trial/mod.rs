@@ -12,6 +12,7 @@ pub(crate) mod curves;
 mod experiments;
 mod jumps;
 mod length;
+mod modes;
 pub(crate) mod noise;
 mod observation;
 pub(crate) mod parallel;
@@ -70,6 +71,8 @@ pub struct Trial {
     shortest_step_s: f64,
     /// Nor with a longer one, s.
     longest_step_s: f64,
+    /// Steps in one period of the fastest mode.
+    steps_per_period: f64,
     /// Samples beside jumps of a force.
     jumps: Jumps,
     /// Of each joint, the greatest speed at which a friction's fall with speed can be told from
@@ -226,6 +229,7 @@ impl Trial {
             runs: Cache::default(),
             shortest_step_s,
             longest_step_s: f64::INFINITY,
+            steps_per_period: Engine::STEPS_PER_PERIOD,
             jumps,
             fall_speeds: signals.fall_speeds(),
             stiff: Vec::new(),
@@ -304,6 +308,14 @@ impl Model for Trial {
 
     fn parameters(&self, candidate: &Candidate) -> Vec<ParameterInfo> {
         self.bounds(candidate)
+    }
+
+    fn sizes_by_mode(&self, candidate: &Candidate, step_hz: f64) -> Vec<f64> {
+        Trial::sizes_by_mode(self, candidate, step_hz)
+    }
+
+    fn slowest_mode_hz(&self) -> Option<f64> {
+        self.modes_hz(&self.scenario)?.first().copied()
     }
 
     fn curves(&self) -> Vec<CurveCandidate> {

@@ -50,6 +50,7 @@ impl Trial {
     pub(super) fn reduced(&self) -> Engine {
         Engine::Reduced {
             shortest_step_s: self.shortest_step_s,
+            steps_per_period: self.steps_per_period,
         }
     }
 

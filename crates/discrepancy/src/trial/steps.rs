@@ -1,19 +1,26 @@
-//! The step of milling runs in a search.
+//! The step of a search's runs.
 //!
-//! A force that follows chips is met to the second order of the step, and its default step is that
+//! *Milling*: a force that follows chips is met to the second order of the step, and its default step is that
 //! of a run that is looked at, not of one that is held against a thousand samples with noise of a
 //! hundredth of it. Then an effect whose only merit is a shorter step (a base that hardly gives)
 //! fits better. So the longest step is taken of which halving shows that it leaves no more than a
 //! small part of what an output varies. Samples that are not looked at, at a jump of the force at
 //! the beginning or end of the data, say nothing of it.
+//!
+//! *Replays*: the default step follows from the arm's fastest mode, which is often that of a stiff
+//! wrist with little behind it, ten times faster than anything in the data. The scheme is exact for
+//! it at any step. So the longest step is taken that moves no output, over all of its samples, by
+//! more than one deviation of what it differs by from sample to sample; of the nominal arm, and of
+//! one with dry friction in every joint, whose sticking a long step would miss.
 
 use std::borrow::Cow;
 
+use truecut_scenario::effect::{Effect, EffectKind};
 use truecut_scenario::{ProcessSpec, Scenario};
 use truecut_sim::SimError;
 use truecut_sim::run::{self, Engine};
 
-use super::{Trial, reduced};
+use super::{Kind, Trial, reduced};
 use crate::model::Columns;
 use crate::stats::rms;
 use crate::stats::spectrum::line;
@@ -24,6 +31,10 @@ const LARGEST_ERROR: f64 = 5e-4;
 const GONE_BY_HALVING: f64 = 0.75;
 /// The step is halved no more often: a run takes longer each time.
 const MOST_HALVINGS: usize = 3;
+/// Steps in one period of the fastest mode that are tried in replays, the fewest first. Along its
+/// path, and with effects, the arm's fastest mode is faster than at the start; of four steps in a
+/// period its velocity can no longer be read.
+const STEPS_PER_PERIOD: [f64; 3] = [6.0, 9.0, 13.0];
 /// Steps that differ by no more than this part of them are equal.
 const ROUNDING: f64 = 1e-9;
 
@@ -33,10 +44,68 @@ impl Trial {
     /// # Errors
     /// Whatever makes the scenario unfit to run.
     pub(super) fn find_step(&mut self) -> Result<(), SimError> {
-        let is_milling = matches!(self.scenario.process, ProcessSpec::Milling(_));
-        if !is_milling || self.scenario.run.time_step_s.is_some() {
+        if self.scenario.run.time_step_s.is_some() {
             return Ok(());
         }
+        match self.scenario.process {
+            ProcessSpec::Milling(_) => self.find_step_of_cut(),
+            ProcessSpec::Replay(_) if matches!(self.engine, Kind::Forward) => {
+                self.find_step_of_replay();
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn find_step_of_replay(&mut self) {
+        let dry: Vec<Effect> = (self.candidates.iter())
+            .filter(|one| one.kind == EffectKind::JointCoulomb)
+            .map(|one| Effect {
+                kind: one.kind,
+                target: one.target.clone(),
+                values: one.scale.clone(),
+            })
+            .collect();
+        let runs = |trial: &Trial| -> Option<Vec<Columns>> {
+            let arms = [&[][..], &dry];
+            let run = |effects: &&[Effect]| {
+                let scenario = trial.scenario.with_effects(effects).ok()?;
+                let rows = trial.run(&scenario, trial.reduced(), None).ok()?;
+                Some(trial.at_the_data(&rows, 1.0))
+            };
+            arms.iter().map(run).collect()
+        };
+        let Some(default) = runs(self) else {
+            return;
+        };
+        for steps_per_period in STEPS_PER_PERIOD {
+            self.steps_per_period = steps_per_period;
+            let now = runs(self);
+            if now.is_some_and(|now| self.is_unseen(&default, &now)) {
+                return;
+            }
+        }
+        self.steps_per_period = Engine::STEPS_PER_PERIOD;
+    }
+
+    /// Whether no output of any run is moved by more than one deviation of what its samples differ
+    /// by, over all of them.
+    fn is_unseen(&self, before: &[Columns], now: &[Columns]) -> bool {
+        let unseen = |(before, now): (&Columns, &Columns)| {
+            let outputs = self.observation.outputs.iter();
+            outputs.zip(before.iter().zip(now)).all(|(output, (a, b))| {
+                let valid = output.valid.iter();
+                let moved = (valid.zip(a.iter().zip(b)))
+                    .filter(|(valid, _)| **valid)
+                    .map(|(_, (a, b))| (a - b).powi(2))
+                    .sum::<f64>();
+                moved.sqrt() <= from_sample_to_sample(&output.values, &output.valid)
+            })
+        };
+        before.iter().zip(now).all(unseen)
+    }
+
+    fn find_step_of_cut(&mut self) -> Result<(), SimError> {
         let mut step_s = reduced(&self.scenario, &self.measured, &self.robots).time_step_s()?;
         let Some(mut before) = self.nominal_run() else {
             return Ok(());
@@ -100,6 +169,15 @@ impl Trial {
         stepped.run.time_step_s = Some(own_s / parts);
         Ok(Cow::Owned(stepped))
     }
+}
+
+/// Deviation of white noise whose second differences are as large as those of the values.
+fn from_sample_to_sample(values: &[f64], valid: &[bool]) -> f64 {
+    let bends: Vec<f64> = (values.array_windows().zip(valid.array_windows()))
+        .filter(|(_, valid)| **valid == [true; 3])
+        .map(|([before, now, after], _)| before - 2.0 * now + after)
+        .collect();
+    rms(&bends) / 6f64.sqrt()
 }
 
 /// Deviation from the line that fits best.

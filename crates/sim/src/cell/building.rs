@@ -42,7 +42,9 @@ impl Cell {
     ) -> Result<Self, SimError> {
         let scheme = match engine {
             Engine::Rapier => Scheme::Leapfrog,
-            Engine::Reduced { .. } => Scheme::Exact,
+            Engine::Reduced {
+                steps_per_period, ..
+            } => Scheme::Exact { steps_per_period },
         };
         let prepared = Prepared::new(scenario, measured, robots, scheme)?;
         let hasty_clock = measured
@@ -50,7 +52,9 @@ impl Cell {
             .and_then(|measured| hasty_clock(measured, prepared.dt_s));
         let (plant, note) = match engine {
             Engine::Rapier => rapier(&prepared),
-            Engine::Reduced { .. } => reduced(&prepared)?,
+            Engine::Reduced {
+                steps_per_period, ..
+            } => reduced(&prepared, steps_per_period)?,
         };
         let mut cell = Self::assemble(scenario, prepared, plant, note)?;
         cell.notes.extend(hasty_clock.clone());
@@ -207,7 +211,10 @@ fn rapier(prepared: &Prepared) -> (Box<dyn Plant>, String) {
 }
 
 /// The arm linearised about its start, and a note on its step.
-fn reduced(prepared: &Prepared) -> Result<(Box<dyn Plant>, String), SimError> {
+fn reduced(
+    prepared: &Prepared,
+    steps_per_period: f64,
+) -> Result<(Box<dyn Plant>, String), SimError> {
     let plant = ReducedPlant::new(
         prepared.robot.clone(),
         &prepared.start,
@@ -225,7 +232,7 @@ fn reduced(prepared: &Prepared) -> Result<(Box<dyn Plant>, String), SimError> {
     })?
     .moving(&prepared.start_velocity())
     .swinging(prepared.process.is_given());
-    let note = plant.note();
+    let note = plant.note(steps_per_period);
     Ok((Box::new(plant), note))
 }
 

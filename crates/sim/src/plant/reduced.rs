@@ -148,7 +148,7 @@ impl ReducedPlant {
     }
 
     /// What a header says of this plant.
-    pub(crate) fn note(&self) -> String {
+    pub(crate) fn note(&self, steps_per_period: f64) -> String {
         let about = if self.travels {
             let renewal = RENEWAL_RAD * 1e3;
             format!("linearised along its path, every {renewal:.0} mrad")
@@ -156,7 +156,7 @@ impl ReducedPlant {
             "linearised about its start".to_string()
         };
         format!(
-            "time step {:.6} ms, exact for the arm {about}: at most 0.8 ms, 1/20 of the fastest mode's \
+            "time step {:.6} ms, exact for the arm {about}: at most 0.8 ms, 1/{steps_per_period} of the fastest mode's \
              period with contact springs and rotors (1/40 with play, 1/5 of a mode of the base), 1/40 of the \
              tooth period and of the fastest given force's, unless run.time_step_ms sets it",
             self.time_step_s() * 1e3

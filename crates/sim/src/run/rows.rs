@@ -82,6 +82,14 @@ impl Run<'_> {
         Ok(self.cell_at_the_times()?.time_step_s())
     }
 
+    /// Natural frequencies of the arm as it starts, effects included, slowest first, Hz.
+    ///
+    /// # Errors
+    /// Whatever makes the scenario unfit to run; an arm without springs.
+    pub fn modes_hz(&self) -> Result<Vec<f64>, SimError> {
+        self.cell_at_the_times()?.modes_hz()
+    }
+
     fn cell_at_the_times(&self) -> Result<Cell, SimError> {
         let mut scenario = self.resolved()?.into_owned();
         let Some(interval_s) = self.measured.map(Measured::interval_s) else {
@@ -100,15 +108,15 @@ impl Run<'_> {
 
     fn check_step(&self, cell: &Cell) -> Result<(), SimError> {
         match self.engine {
-            Engine::Reduced { shortest_step_s } if cell.time_step_s() < shortest_step_s => {
-                Err(SimError::scenario(
-                    "run.time_step_ms",
-                    format!(
-                        "the run needs steps of {:.3e} s, but {shortest_step_s:.3e} s is the shortest allowed",
-                        cell.time_step_s()
-                    ),
-                ))
-            }
+            Engine::Reduced {
+                shortest_step_s, ..
+            } if cell.time_step_s() < shortest_step_s => Err(SimError::scenario(
+                "run.time_step_ms",
+                format!(
+                    "the run needs steps of {:.3e} s, but {shortest_step_s:.3e} s is the shortest allowed",
+                    cell.time_step_s()
+                ),
+            )),
             _ => Ok(()),
         }
     }
