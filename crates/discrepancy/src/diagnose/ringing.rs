@@ -63,7 +63,8 @@ impl<'a, 'b> Scan<'a, 'b> {
             .min()?;
         let interval_s = time_s[1] - time_s[0];
         let periods = (PERIODS / slowest_hz / interval_s).ceil() as usize;
-        Some(Self {
+        let rings = begins + 1 < whole && periods > 1;
+        rings.then_some(Self {
             problem,
             base,
             begins,
@@ -105,11 +106,10 @@ impl<'a, 'b> Scan<'a, 'b> {
     fn is_felt(&self, candidate: usize, sizes: &[f64]) -> bool {
         let some: Vec<f64> = sizes.iter().copied().step_by(PROBED).collect();
         let without = self.left(&self.base.residual, self.first);
-        let mut objectives = some.into_par_iter();
-        objectives.any(|size| {
-            let objective = self.objective(candidate, size, self.first);
-            (objective - without).abs() > FELT
-        })
+        let beside: Vec<f64> = (some.into_par_iter())
+            .map(|size| self.objective(candidate, size, self.first))
+            .collect();
+        (beside.iter()).any(|objective| (objective - without).abs() > FELT)
     }
 
     /// The best size near one on the list, over longer and longer parts of the record.

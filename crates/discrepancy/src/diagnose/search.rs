@@ -40,8 +40,6 @@ pub(super) struct Outcome {
     /// Signatures of the nominal model, refitted. Beside effects they serve as well: those of the
     /// best are taken anew there.
     pub signatures: Vec<Signature>,
-    /// Effects whose signature is ringing were looked for.
-    pub rung: bool,
     /// A discrepancy was detected, and no fit of it ended well.
     pub failed: bool,
     /// The simulations allowed were used up while something was left to be fitted.
@@ -107,7 +105,6 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         ranking: Vec::new(),
         tests: 0,
         signatures: Vec::new(),
-        rung: false,
         failed: false,
         stopped: false,
         limited: false,
@@ -210,18 +207,10 @@ impl Search<'_, '_> {
         if outcome.signatures.is_empty() {
             outcome.signatures = signatures(problem, base);
             outcome.signatures.extend(rippled(problem, base));
-        }
-        let (orders, tests) = (&outcome.orders, outcome.tests);
-        let (mut ranking, mut starts) = self.screened(base, &outcome.signatures, orders, tests);
-        if !starts.is_empty() && !outcome.rung {
-            outcome.rung = true;
-            let further = ringing(problem, base);
-            if !further.is_empty() {
-                outcome.signatures.extend(further);
-                (ranking, starts) = self.screened(base, &outcome.signatures, orders, tests);
-            }
+            outcome.signatures.extend(ringing(problem, base));
         }
         let found = &outcome.signatures;
+        let (ranking, mut starts) = self.screened(base, found, &outcome.orders, outcome.tests);
         if base.point.effects.is_empty() && !starts.is_empty() && self.is_far(base) {
             // Nominal values may have been drawn there by what is to be found. What is promising
             // from where they were is found with the same signatures; those of the best are taken
