@@ -6,11 +6,13 @@ use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind};
 
 use super::{FASTEST_MODE, Kind, Trial, reduced};
-use crate::model::Candidate;
+use crate::model::{Candidate, Model};
 
 /// From the typical size so many steps down and up, so many to a power of ten.
-const STEPS: std::ops::RangeInclusive<i32> = -6..=18;
+const STEPS: std::ops::RangeInclusive<i32> = -6..=36;
 const TO_A_POWER: f64 = 6.0;
+/// Of modes so many times as fast as the nominal arm's slowest little is seen: motions are smooth.
+const FAST: f64 = 2.0;
 /// A mode that no size on the list moves by more than this part is no reason to look for one.
 const MOVED: f64 = 0.02;
 /// No more sizes are given: their simulations take longer than an answer is waited for.
@@ -33,7 +35,10 @@ impl Trial {
             .filter(|size| (info.min..=info.max).contains(size))
             .filter_map(|size| Some((size, self.modes_with(candidate, size)?)))
             .collect();
-        let shown = FASTEST_MODE / self.measured.interval_s();
+        let Some(slowest) = self.slowest_mode_hz() else {
+            return Vec::new();
+        };
+        let shown = (FAST * slowest).min(FASTEST_MODE / self.measured.interval_s());
         let mut sizes = Vec::new();
         for pair in ladder.windows(2) {
             let [(low, before), (high, after)] = pair else {
@@ -45,7 +50,8 @@ impl Trial {
                 most = most.max((b - a).abs());
                 part = part.max((b / a - 1.0).abs());
             }
-            if part < MOVED {
+            // Where the slowest mode no longer swings within a step, all is as if it were free.
+            if part < MOVED || before[0] < step_hz {
                 continue;
             }
             let count = (most / step_hz).ceil().max(1.0);
