@@ -7,6 +7,7 @@ use self::place::place_note;
 use self::start::at_start;
 use crate::command::JointCommand;
 use crate::effect::{self, Altered, Effects};
+use crate::engine::Engine;
 use crate::error::SimError;
 use crate::estimates;
 use crate::measurement::Sensors;
@@ -81,12 +82,12 @@ pub(crate) fn in_context<T>(
 
 impl Prepared {
     /// `measured` drives a replay; other processes make no use of it. Robots that have been read
-    /// are not read again; the step is chosen for the scheme.
+    /// are not read again; the step is chosen for the engine.
     pub(crate) fn new(
         scenario: &Scenario,
         measured: Option<&Measured>,
         robots: &Robots,
-        scheme: Scheme,
+        engine: Engine,
     ) -> Result<Self, SimError> {
         let spec = &scenario.robot;
         let nominal = robots.robot(spec)?;
@@ -134,7 +135,7 @@ impl Prepared {
         let dt_s = time_step(
             scenario,
             duration_s,
-            scheme,
+            engine,
             &altered,
             &start,
             &command,
@@ -263,7 +264,7 @@ fn friction(altered: &Altered, kind: DriveKind) -> Vec<LinkFriction> {
 fn time_step(
     scenario: &Scenario,
     duration_s: f64,
-    scheme: Scheme,
+    engine: Engine,
     altered: &Altered,
     start: &[f64],
     command: &JointCommand,
@@ -280,8 +281,8 @@ fn time_step(
             kind == DriveKind::Servo,
         )?),
     };
-    let play = altered.laws.iter().any(|law| law.gap > 0.0);
-    let scheme = if play { scheme.with_play() } else { scheme };
+    let has_play = altered.laws.iter().any(|law| law.gap > 0.0);
+    let scheme = Scheme::of(engine, has_play);
     let run = RunSpec {
         duration_s,
         ..scenario.run

@@ -270,7 +270,12 @@ impl Cell {
                 outcome = ended;
                 break;
             }
-            self.plant.drift();
+            let next_is_due = (step + 1).is_multiple_of(self.steps_per_row);
+            if self.rows_only && self.process.is_idle() && !next_is_due {
+                self.plant.drift_unseen();
+            } else {
+                self.plant.drift();
+            }
         }
         let findings = self.process.finish();
         if let (Outcome::Diverged { rule, .. }, Some(told)) = (&mut outcome, &self.hasty_clock) {

@@ -2,9 +2,9 @@
 
 use crate::build::Prepared;
 use crate::effect::{Effects, JointEffects};
+use crate::engine::Engine;
 use crate::error::SimError;
 use crate::robots::Robots;
-use crate::step_size::Scheme;
 use truecut_arm::{MjcfDrive, MjcfOptions};
 use truecut_scenario::DriveKind;
 use truecut_scenario::Scenario;
@@ -18,7 +18,7 @@ use truecut_scenario::effect::Effect;
 pub fn export_mjcf(scenario: &Scenario) -> Result<String, SimError> {
     // Laws of joints and process are ours; the MJCF holds what is built into the robot.
     let robots = Robots::new();
-    let prepared = Prepared::new(scenario, None, &robots, Scheme::Leapfrog)?;
+    let prepared = Prepared::new(scenario, None, &robots, Engine::Rapier)?;
     let nominal = robots.robot(&scenario.robot)?;
     let is_law = |effect: &Effect| {
         let sum = Effects::sum([effect], &nominal.chain.joints);

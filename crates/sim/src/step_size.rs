@@ -2,6 +2,7 @@
 
 mod own_modes;
 
+use crate::engine::Engine;
 use crate::error::SimError;
 use crate::process::Process;
 use nalgebra::DMatrix;
@@ -29,21 +30,24 @@ pub(crate) enum Scheme {
     Leapfrog,
     /// Exact for the linear arm; second order in what acts on it.
     Exact {
-        /// Default steps in one period of the fastest mode. The scheme keeps every mode in tune at
-        /// any step; what it needs are enough samples of the motion for contacts, records and
-        /// friction.
+        /// Default steps in one period of the fastest mode.
         steps_per_period: f64,
     },
-    /// The same where a joint has play: of what happens when flanks meet a step must see enough.
-    ExactWithPlay,
 }
 
 impl Scheme {
-    /// The scheme for joints of which one has play.
-    pub fn with_play(self) -> Self {
-        match self {
-            Self::Leapfrog => self,
-            Self::Exact { .. } | Self::ExactWithPlay => Self::ExactWithPlay,
+    /// The scheme of an engine, for an arm of which a joint has play or none has.
+    pub fn of(engine: Engine, has_play: bool) -> Self {
+        match engine {
+            Engine::Rapier => Self::Leapfrog,
+            Engine::Reduced {
+                steps_per_period, ..
+            } => Self::Exact {
+                steps_per_period: match has_play {
+                    true => steps_per_period.with_play,
+                    false => steps_per_period.without_play,
+                },
+            },
         }
     }
 
@@ -57,7 +61,7 @@ impl Scheme {
     fn longest_s(self) -> f64 {
         match self {
             Self::Leapfrog => 0.25e-3,
-            Self::Exact { .. } | Self::ExactWithPlay => 0.8e-3,
+            Self::Exact { .. } => 0.8e-3,
         }
     }
 
@@ -66,7 +70,6 @@ impl Scheme {
         match self {
             Self::Leapfrog => 60.0,
             Self::Exact { steps_per_period } => steps_per_period,
-            Self::ExactWithPlay => 40.0,
         }
     }
 
@@ -75,7 +78,7 @@ impl Scheme {
     fn steps_per_base_period(self) -> f64 {
         match self {
             Self::Leapfrog => self.steps_per_period(),
-            Self::Exact { .. } | Self::ExactWithPlay => 5.0,
+            Self::Exact { .. } => 5.0,
         }
     }
 
@@ -92,7 +95,7 @@ impl Scheme {
     fn fewest_steps_per_period(self) -> f64 {
         match self {
             Self::Leapfrog => 8.0,
-            Self::Exact { .. } | Self::ExactWithPlay => 4.0,
+            Self::Exact { .. } => 4.0,
         }
     }
 }

@@ -211,6 +211,20 @@ impl Screening<'_, '_> {
 /// from; smallest first.
 const LEVELS: [f64; 2] = [0.2, 1.0];
 
+/// Parts of the typical size for a kind. What adds a torque, or moves a motor, in proportion to its
+/// size changes the prediction in that proportion, too: one level says all.
+fn levels(kind: EffectKind) -> &'static [f64] {
+    use EffectKind as K;
+    match kind {
+        K::JointViscous
+        | K::JointAsymmetricViscous
+        | K::JointRipple
+        | K::JointCounterbalance
+        | K::JointOffset => &LEVELS[1..],
+        _ => &LEVELS,
+    }
+}
+
 /// Signatures of a candidate at one combination of its shape parameters.
 pub(super) fn shaped(
     problem: &Problem,
@@ -249,11 +263,12 @@ fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<Vec<f64>>> {
 fn ladders(problem: &Problem, candidate: usize, shapes: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
     let infos = problem.infos(candidate);
     let scale = &problem.candidates[candidate].scale;
+    let parts = levels(problem.candidates[candidate].kind);
     let sizes = || infos.iter().filter(|p| p.is_size);
     let own_starts = sizes().map(|p| p.starts.len()).max().unwrap_or(0);
     let is_ladder = own_starts == 0;
     let levels = match sizes().any(|p| p.starts.is_empty()) {
-        true => own_starts.max(LEVELS.len()),
+        true => own_starts.max(parts.len()),
         false => own_starts,
     };
     // Several sizes start together, at the same place in their lists.
@@ -263,7 +278,7 @@ fn ladders(problem: &Problem, candidate: usize, shapes: &[Vec<f64>]) -> Vec<Vec<
             if !info.is_size {
                 *shape.next().expect("one for each shape parameter")
             } else if info.starts.is_empty() {
-                let part = LEVELS[level.min(LEVELS.len() - 1)];
+                let part = parts[level.min(parts.len() - 1)];
                 typical(info.neutral, scale * part, info.min, info.max)
             } else {
                 info.starts[level.min(info.starts.len() - 1)]

@@ -33,7 +33,7 @@ use truecut_scenario::effect::{Effect, EffectKind, ParameterInfo, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::found_start;
-use truecut_sim::run::{self, Engine, Rows};
+use truecut_sim::run::{self, Engine, Rows, StepsPerPeriod};
 use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel, estimates};
 
 use self::cache::{Cache, RunKey};
@@ -72,7 +72,7 @@ pub struct Trial {
     /// Nor with a longer one, s.
     longest_step_s: f64,
     /// Steps in one period of the fastest mode.
-    steps_per_period: f64,
+    steps_per_period: StepsPerPeriod,
     /// Samples beside jumps of a force.
     jumps: Jumps,
     /// Of each joint, the greatest speed at which a friction's fall with speed can be told from
@@ -229,7 +229,7 @@ impl Trial {
             runs: Cache::default(),
             shortest_step_s,
             longest_step_s: f64::INFINITY,
-            steps_per_period: Engine::STEPS_PER_PERIOD,
+            steps_per_period: StepsPerPeriod::DEFAULT,
             jumps,
             fall_speeds: signals.fall_speeds(),
             stiff: Vec::new(),

@@ -10,15 +10,16 @@
 //! *Replays*: the default step follows from the arm's fastest mode, which is often that of a stiff
 //! wrist with little behind it, ten times faster than anything in the data. The scheme is exact for
 //! it at any step. So the longest step is taken that moves no output, over all of its samples, by
-//! more than one deviation of what it differs by from sample to sample; of the nominal arm, and of
-//! one with dry friction in every joint, whose sticking a long step would miss.
+//! more than one deviation of what it differs by from sample to sample: of the nominal arm and of
+//! one with dry friction in every joint, whose sticking a long step would miss; where a joint has
+//! play, of one with play in every joint.
 
 use std::borrow::Cow;
 
 use truecut_scenario::effect::{Effect, EffectKind};
 use truecut_scenario::{ProcessSpec, Scenario};
 use truecut_sim::SimError;
-use truecut_sim::run::{self, Engine};
+use truecut_sim::run::{self, Engine, StepsPerPeriod};
 
 use super::{Kind, Trial, reduced};
 use crate::model::Columns;
@@ -34,7 +35,9 @@ const MOST_HALVINGS: usize = 3;
 /// Steps in one period of the fastest mode that are tried in replays, the fewest first. Along its
 /// path, and with effects, the arm's fastest mode is faster than at the start; of four steps in a
 /// period its velocity can no longer be read.
-const STEPS_PER_PERIOD: [f64; 3] = [6.0, 9.0, 13.0];
+const FEWER: [f64; 3] = [6.0, 9.0, 13.0];
+/// With play so many times as many.
+const PLAY: f64 = 2.0;
 /// Steps that differ by no more than this part of them are equal.
 const ROUNDING: f64 = 1e-9;
 
@@ -58,17 +61,32 @@ impl Trial {
     }
 
     fn find_step_of_replay(&mut self) {
-        let dry: Vec<Effect> = (self.candidates.iter())
-            .filter(|one| one.kind == EffectKind::JointCoulomb)
-            .map(|one| Effect {
-                kind: one.kind,
+        let of_all = |kind: EffectKind| -> Vec<Effect> {
+            let own = self.candidates.iter().filter(|one| one.kind == kind);
+            own.map(|one| Effect {
+                kind,
                 target: one.target.clone(),
                 values: one.scale.clone(),
             })
-            .collect();
+            .collect()
+        };
+        let [dry, loose] = [EffectKind::JointCoulomb, EffectKind::JointBacklash].map(of_all);
+        self.lengthen(&[Vec::new(), dry], 1.0, |steps| &mut steps.without_play);
+        if !loose.is_empty() {
+            self.lengthen(&[loose], PLAY, |steps| &mut steps.with_play);
+        }
+    }
+
+    /// Takes the fewest steps in a period, so many `times` those on the list, that move no output
+    /// of these arms.
+    fn lengthen(
+        &mut self,
+        arms: &[Vec<Effect>],
+        times: f64,
+        which: impl Fn(&mut StepsPerPeriod) -> &mut f64,
+    ) {
         let runs = |trial: &Trial| -> Option<Vec<Columns>> {
-            let arms = [&[][..], &dry];
-            let run = |effects: &&[Effect]| {
+            let run = |effects: &Vec<Effect>| {
                 let scenario = trial.scenario.with_effects(effects).ok()?;
                 let rows = trial.run(&scenario, trial.reduced(), None).ok()?;
                 Some(trial.at_the_data(&rows, 1.0))
@@ -78,14 +96,15 @@ impl Trial {
         let Some(default) = runs(self) else {
             return;
         };
-        for steps_per_period in STEPS_PER_PERIOD {
-            self.steps_per_period = steps_per_period;
+        let usual = self.steps_per_period;
+        for steps_per_period in FEWER {
+            *which(&mut self.steps_per_period) = times * steps_per_period;
             let now = runs(self);
             if now.is_some_and(|now| self.is_unseen(&default, &now)) {
                 return;
             }
         }
-        self.steps_per_period = Engine::STEPS_PER_PERIOD;
+        self.steps_per_period = usual;
     }
 
     /// Whether no output of any run is moved by more than one deviation of what its samples differ

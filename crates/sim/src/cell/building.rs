@@ -5,7 +5,7 @@ use super::deflection::PathDeflection;
 use crate::build::{Prepared, plant_scalars};
 use crate::channels;
 use crate::contact::ContactSolver;
-use crate::engine::Engine;
+use crate::engine::{Engine, StepsPerPeriod};
 use crate::error::SimError;
 use crate::guard::Guard;
 use crate::loads::Attachment;
@@ -15,7 +15,6 @@ use crate::robots::Robots;
 use crate::run::Extent;
 use crate::scene::Setting;
 use crate::spring_use::SpringUse;
-use crate::step_size::Scheme;
 use crate::torque_use::{TorqueUse, servo_note, unchecked_note};
 use std::sync::Arc;
 use truecut_arm::JointKind;
@@ -40,13 +39,7 @@ impl Cell {
         robots: &Robots,
         engine: Engine,
     ) -> Result<Self, SimError> {
-        let scheme = match engine {
-            Engine::Rapier => Scheme::Leapfrog,
-            Engine::Reduced {
-                steps_per_period, ..
-            } => Scheme::Exact { steps_per_period },
-        };
-        let prepared = Prepared::new(scenario, measured, robots, scheme)?;
+        let prepared = Prepared::new(scenario, measured, robots, engine)?;
         let hasty_clock = measured
             .filter(|_| scenario.process.facts().replays)
             .and_then(|measured| hasty_clock(measured, prepared.dt_s));
@@ -213,7 +206,7 @@ fn rapier(prepared: &Prepared) -> (Box<dyn Plant>, String) {
 /// The arm linearised about its start, and a note on its step.
 fn reduced(
     prepared: &Prepared,
-    steps_per_period: f64,
+    steps_per_period: StepsPerPeriod,
 ) -> Result<(Box<dyn Plant>, String), SimError> {
     let plant = ReducedPlant::new(
         prepared.robot.clone(),

@@ -146,6 +146,11 @@ pub trait Plant: Send {
     /// Moves positions, frames and velocities to the next instant.
     fn drift(&mut self);
 
+    /// The same where no one looks at a frame at the next instant: they may stay behind.
+    fn drift_unseen(&mut self) {
+        self.drift();
+    }
+
     /// Kinetic energy, and potential energy of gravity and transmissions, J, at the last instant.
     fn energy_j(&mut self) -> (f64, f64);
 

@@ -31,6 +31,7 @@ use super::play::Play;
 use super::recurrence::add_product;
 use super::smoothed::Smoothed;
 use super::{Command, Drive, FrameState, JointState, Plant, WorldWrench};
+use crate::engine::StepsPerPeriod;
 use crate::loads::Attachment;
 use nalgebra::{DVector, Isometry3, Vector3};
 use std::sync::Arc;
@@ -148,16 +149,20 @@ impl ReducedPlant {
     }
 
     /// What a header says of this plant.
-    pub(crate) fn note(&self, steps_per_period: f64) -> String {
+    pub(crate) fn note(&self, steps_per_period: StepsPerPeriod) -> String {
         let about = if self.travels {
             let renewal = RENEWAL_RAD * 1e3;
             format!("linearised along its path, every {renewal:.0} mrad")
         } else {
             "linearised about its start".to_string()
         };
+        let StepsPerPeriod {
+            without_play,
+            with_play,
+        } = steps_per_period;
         format!(
-            "time step {:.6} ms, exact for the arm {about}: at most 0.8 ms, 1/{steps_per_period} of the fastest mode's \
-             period with contact springs and rotors (1/40 with play, 1/5 of a mode of the base), 1/40 of the \
+            "time step {:.6} ms, exact for the arm {about}: at most 0.8 ms, 1/{without_play} of the fastest mode's \
+             period with contact springs and rotors (1/{with_play} with play, 1/5 of a mode of the base), 1/40 of the \
              tooth period and of the fastest given force's, unless run.time_step_ms sets it",
             self.time_step_s() * 1e3
         )
@@ -339,6 +344,11 @@ impl Plant for ReducedPlant {
     }
 
     fn drift(&mut self) {
+        self.drift_unseen();
+        self.update_frames();
+    }
+
+    fn drift_unseen(&mut self) {
         let recurrence = &self.linear.recurrence;
         recurrence.next_velocity(&self.velocity, &self.force, &mut self.predicted);
         let dt_s = recurrence.step_s();
@@ -357,7 +367,6 @@ impl Plant for ReducedPlant {
         self.shift.copy_from_slice(&self.joints.position);
         self.shift -= &self.linear.posture;
         self.update_bias();
-        self.update_frames();
     }
 
     fn energy_j(&mut self) -> (f64, f64) {

@@ -165,6 +165,11 @@ pub trait Process: Send {
         false
     }
 
+    /// Whether it never loads the robot, and asks nothing of the tool's state but for its channels.
+    fn is_idle(&self) -> bool {
+        false
+    }
+
     /// Whether all forces are given beforehand, whatever the arm does: nothing is in contact, and
     /// what shows beside the arm's vibration is how it differs from that of a linear one.
     fn is_given(&self) -> bool {

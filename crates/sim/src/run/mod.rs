@@ -29,7 +29,7 @@ mod rows;
 mod runs;
 mod scalars;
 
-pub use crate::engine::Engine;
+pub use crate::engine::{Engine, StepsPerPeriod};
 pub use error::RunError;
 pub use request::{Claims, Extent, Finished, Keep, ReadData, Run};
 pub use rows::Rows;

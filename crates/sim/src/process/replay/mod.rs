@@ -101,6 +101,10 @@ impl Process for Replay {
         Vec::new()
     }
 
+    fn is_idle(&self) -> bool {
+        Replay::is_idle(self)
+    }
+
     fn arrows(&self) -> Vec<(&'static str, Attachment, Vector3<f64>)> {
         if self.is_idle() {
             return Vec::new();
