@@ -9,6 +9,7 @@ use super::floor::{Floor, floors};
 use super::noise::Prior;
 use super::{Options, Progress};
 use crate::model::{Candidate, Columns, CurveCandidate, Model, PredictError};
+use crate::trial::is_place;
 
 pub(super) struct Problem<'a> {
     pub model: &'a dyn Model,
@@ -242,9 +243,13 @@ impl<'a> Problem<'a> {
         0..self.candidates.len() - self.curves.len()
     }
 
-    /// The candidates that are lengths of links.
+    /// The candidates that are lengths of links, where no place of the tool is measured: drives
+    /// alone take one for another cause.
     pub fn lengths(&self) -> impl Iterator<Item = usize> {
-        (self.searched()).filter(|&one| self.candidates[one].kind == EffectKind::LinkLength)
+        let channels = self.model.channels().iter();
+        let felt = channels.clone().all(|spec| !is_place(&spec.name));
+        (self.searched())
+            .filter(move |&one| felt && self.candidates[one].kind == EffectKind::LinkLength)
     }
 
     /// The candidates that are curves.

@@ -104,9 +104,13 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
             _,
             JointEffect::LinkMass { .. }
             | JointEffect::LinkCenter { .. }
-            | JointEffect::LinkLength { .. }
             | JointEffect::Rotor { .. },
         ) if !is_inverse(scenario) => return None,
+        Typed::Joint(_, JointEffect::LinkLength { .. })
+            if !is_inverse(scenario) && !signals.shows_places() =>
+        {
+            return None;
+        }
         Typed::Joint(joint, effect) => joint_scale(&signals.joints[joint], effect)?.values(),
         Typed::Robot(effect) => robot_scale(signals, effect).values(),
         Typed::Base(_, effect) => base_scale(signals, effect).values(),

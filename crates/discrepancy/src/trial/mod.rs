@@ -40,6 +40,7 @@ use self::cache::{Cache, RunKey};
 use self::jumps::Jumps;
 use self::length::check_length;
 pub use self::parallel::{Thinning, for_comparison};
+pub(crate) use self::signals::is_place;
 use crate::diagnose::Observation;
 use crate::model::{Candidate, Columns, CurveCandidate, Experiment, Model, PredictError, SetUp};
 

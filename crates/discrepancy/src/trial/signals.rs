@@ -43,6 +43,13 @@ pub(super) fn column<'a>(rows: &'a Rows, name: &str) -> Option<&'a Vec<f64>> {
     pairs.find_map(|(spec, column)| (spec.name == name).then_some(column))
 }
 
+/// Whether a channel says where the tool is, or how far it has moved.
+pub(crate) fn is_place(channel: &str) -> bool {
+    ["tool.position_", "tool.displacement_"]
+        .iter()
+        .any(|start| channel.starts_with(start))
+}
+
 impl Signals {
     pub(super) fn new(
         scenario: &Scenario,
@@ -100,6 +107,12 @@ impl Signals {
             interval_s: measured.interval_s(),
             duration_s: (measured.process_time_s().into_iter()).fold(0.0, f64::max),
         }
+    }
+
+    /// Whether places of the tool were measured.
+    pub(super) fn shows_places(&self) -> bool {
+        let mut outputs = self.outputs.iter();
+        outputs.any(|(name, _)| is_place(name))
     }
 
     /// Of each joint, the greatest speed over which a friction may fall.

@@ -28,9 +28,10 @@ pub(super) fn why_untold(kind: EffectKind) -> &'static str {
         "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
         "wheel_eccentricity" => "the wheel does not turn",
         "clock_delay" => "with one channel it is a delay of its sensor",
-        "link_mass" | "link_center" | "link_length" | "joint_rotor" => {
+        "link_mass" | "link_center" | "joint_rotor" => {
             "only measured motion of all joints shows one link beside the others"
         }
+        "link_length" => "neither places of the tool nor measured motion of all joints show it",
         "clock_rate" => "with one channel it is hardly anything but a gain",
         "wheel_removal" => "what is removed is not measured",
         _ => "nothing in the nominal run gives it a size",
@@ -44,8 +45,8 @@ pub(super) fn targets(
 ) -> Vec<Target> {
     match kind.target() {
         TargetKind::Whole => vec![Target::Whole],
-        // What the last link carries has no drive.
-        TargetKind::Joint if kind == EffectKind::LinkLength => {
+        // What the last link carries has no drive that would feel it.
+        TargetKind::Joint if kind == EffectKind::LinkLength && !signals.shows_places() => {
             let others = signals.joints.len().saturating_sub(1);
             (0..others).map(Target::Joint).collect()
         }
