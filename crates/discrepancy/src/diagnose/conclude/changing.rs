@@ -26,8 +26,8 @@ pub(super) fn holding(known: &[Option<Floor>], bound: &Bound) -> Vec<Option<Floo
 }
 
 /// Takes changes of channels away in which they are no larger than what causes may leave: there a
-/// law that is not quite a named one's, or a filter of the sensor, passes for a change as well. The
-/// part of the discrepancy that changes, by its size, in the channel where it is most: an
+/// law that is not quite a named one's, or a filter of the sensor, passes for a change as well; and
+/// where what is left is noise. The part of the discrepancy that changes, by its size, in the channel where it is most: an
 /// autoregression follows what changes slowly, so that whitened it is next to nothing.
 pub(super) fn keep_large(
     problem: &Problem,
@@ -48,26 +48,35 @@ pub(super) fn keep_large(
         let mut specs = problem.model.channels().iter();
         specs.position(|spec| spec.name == change.channel)
     };
-    let part = |change: &Change| of(change).map_or(0.0, |c| parts[c]);
+    let floors = holding(&problem.known, bound);
+    // What is left as a whole is no more than noise.
+    let is_noise = |c: usize| floors[c].as_ref().is_some_and(|floor| with[c] <= floor.rms);
+    let part = |change: &Change| {
+        let beyond = of(change).filter(|c| !is_noise(*c));
+        beyond.map_or(0.0, |c| parts[c])
+    };
     (bound.changes).retain(|change| part(change) > problem.options.unknown_above);
     bound.changes.iter().map(part).fold(0.0, f64::max)
 }
 
-/// Whether what changes over time leaves less than a curve does where both are, its numbers paid
-/// for by Schwarz's criterion: no law of a place or a speed is told for it. What more numbers take
-/// of the noise is no merit.
+/// Whether what changes over time leaves less than a curve does in the channels that either
+/// reaches, its numbers paid for by Schwarz's criterion: no law of a place or a speed is told for
+/// it. What more numbers take of the noise is no merit.
 pub(super) fn is_better(problem: &Problem, bound: &Bound, last: &Fit, with_curve: &Fit) -> bool {
     let rows = &problem.split.development;
     let left = rms(&bound.left, rows);
     let [without, with] = [last, with_curve].map(|fit| rms(&fit.residual, rows));
-    let specs = problem.model.channels().iter().enumerate();
-    let mut changed =
-        specs.filter(|(_, spec)| bound.changes.iter().any(|one| one.channel == spec.name));
-    changed.any(|(c, _)| {
+    let specs = problem.model.channels().iter();
+    let changed: Vec<bool> = specs
+        .map(|spec| bound.changes.iter().any(|one| one.channel == spec.name))
+        .collect();
+    let merit = |c: usize| {
         let n = rows.per_channel[c].len() as f64;
-        let merit = 2.0 * n * (with[c] / left[c]).ln();
-        merit > bound.numbers[c] as f64 * n.ln() && with[c] != without[c]
-    })
+        2.0 * n * (with[c] / left[c]).ln() - bound.numbers[c] as f64 * n.ln()
+    };
+    let reached = (0..changed.len()).filter(|&c| changed[c] || with[c] != without[c]);
+    let by_curve = (0..changed.len()).any(|c| changed[c] && with[c] != without[c]);
+    by_curve && reached.map(merit).sum::<f64>() > 0.0
 }
 
 /// Changes that the reason tells at most.
