@@ -222,6 +222,15 @@ mod tests {
     use super::*;
     use crate::testing::milling;
 
+    impl Trial {
+        fn nominal_of_search(&self) -> Columns {
+            let rows = self
+                .run(&self.scenario, self.reduced(), None)
+                .expect("it runs");
+            self.at_the_data(&rows, 1.0)
+        }
+    }
+
     /// A machine of 21 kg at 17 Hz that cuts with three teeth, 31 a second.
     fn milled(step: Option<(&str, &str)>) -> Trial {
         let changes = [
@@ -276,6 +285,91 @@ mod tests {
         assert!(coarse > 2.0 * LARGEST_ERROR, "{coarse}");
         let asked = milled(Some(("run.time_step_ms", "0.3")));
         assert_eq!(asked.longest_step_s, f64::INFINITY);
+    }
+
+    /// An IRB 6600 whose joints swing by half a radian, its torques with white noise of such a deviation.
+    fn swung(noise_n_m: f64) -> Trial {
+        let mut text = String::from(
+            "name = \"swung\"\n[robot]\nurdf = \"../../assets/robots/irb6600_175_255/robot.urdf\"\ndrive = \"position\"\n\
+             posture_deg = [0, 10, 20, 0, 30, 0]\n[process.replay]\nmode = \"forward\"\n[data]\ntime = \"t\"\n",
+        );
+        let mut channels = Vec::new();
+        let start = [0.0f64, 10.0, 20.0, 0.0, 30.0, 0.0];
+        for (joint, start) in start.iter().enumerate() {
+            let number = joint + 1;
+            let [command, torque] =
+                ["command", "transmission_torque"].map(|one| format!("joint{number}.{one}"));
+            text += &format!(
+                "[[data.channel]]\ncolumn = \"c{number}\"\nchannel = \"{command}\"\nunit = \"rad\"\nrole = \"input\"\n\
+                 [[data.channel]]\ncolumn = \"m{number}\"\nchannel = \"{torque}\"\nunit = \"N m\"\n"
+            );
+            let swing = |k: i32| {
+                let t = f64::from(k) / 250.0;
+                start.to_radians() + 0.25 * (1.0 - (2.5 * t * (1.0 + 0.1 * number as f64)).cos())
+            };
+            let noise = crate::testing::noise(crate::testing::Colour::White, 750, number as u64);
+            let series = [
+                (
+                    command,
+                    Unit::Radian,
+                    Role::Input,
+                    (0..750).map(swing).collect(),
+                ),
+                (
+                    torque,
+                    Unit::NewtonMetre,
+                    Role::Output,
+                    noise.iter().map(|x| noise_n_m * x).collect::<Vec<f64>>(),
+                ),
+            ];
+            channels.extend(series.map(|(name, unit, role, values)| MeasuredChannel {
+                spec: ChannelSpec::new(&name, unit, ""),
+                role,
+                values,
+                valid: vec![true; 750],
+                noise: None,
+                white_kept: 1.0,
+            }));
+        }
+        let at =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/replay/of_a_test.toml");
+        let scenario = Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
+        let measured = Measured {
+            source: "made".into(),
+            time_s: (0..750).map(|k| f64::from(k) / 250.0).collect(),
+            channels,
+            ..Measured::default()
+        };
+        Trial::new(&scenario, &measured).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// Fewer steps are taken the more noise hides them, and what they leave weighs no more than one
+    /// deviation of it over all samples, against steps that are a tenth as long.
+    #[test]
+    fn verify_error_of_a_replay_by_a_step_of_a_fiftieth_of_a_millisecond() {
+        let chosen = [1e-9, 20.0].map(|noise| {
+            let mut trial = swung(noise);
+            let found = trial.nominal_of_search();
+            (trial.longest_step_s, trial.shortest_step_s) = (0.02e-3, 0.0);
+            let exact = trial.nominal_of_search();
+            for (a, b) in found.iter().zip(&exact) {
+                let moved: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+                assert!(noise < 1.0 || moved.sqrt() < 1.1 * noise, "{moved} {noise}");
+            }
+            trial.steps_per_period
+        });
+        assert_eq!(chosen[0], StepsPerPeriod::DEFAULT);
+        assert!(chosen[1].without_play < 15.0, "{:?}", chosen[1]);
+    }
+
+    #[test]
+    fn verify_deviation_of_noise_from_sample_to_sample() {
+        let noise = crate::testing::noise(crate::testing::Colour::White, 20_000, 3);
+        let on_a_slope: Vec<f64> = (noise.iter().enumerate())
+            .map(|(k, x)| 3.0 * x + 0.7 * k as f64)
+            .collect();
+        let found = from_sample_to_sample(&on_a_slope, &vec![true; noise.len()]);
+        assert!((found / 3.0 - 1.0).abs() < 0.03, "{found}");
     }
 
     #[test]

@@ -26,8 +26,8 @@ pub(super) fn holding(known: &[Option<Floor>], bound: &Bound) -> Vec<Option<Floo
 }
 
 /// Takes changes of channels away in which they are no larger than what causes may leave: there a
-/// law that is not quite a named one's, or a filter of the sensor, passes for a change as well; and
-/// where what is left is noise. The part of the discrepancy that changes, by its size, in the channel where it is most: an
+/// law that is not quite a named one's, or a filter of the sensor, passes for a change as well. The
+/// part of the discrepancy that changes, by its size, in the channel where it is most: an
 /// autoregression follows what changes slowly, so that whitened it is next to nothing.
 pub(super) fn keep_large(
     problem: &Problem,
@@ -48,13 +48,7 @@ pub(super) fn keep_large(
         let mut specs = problem.model.channels().iter();
         specs.position(|spec| spec.name == change.channel)
     };
-    let floors = holding(&problem.known, bound);
-    // What is left as a whole is no more than noise.
-    let is_noise = |c: usize| floors[c].as_ref().is_some_and(|floor| with[c] <= floor.rms);
-    let part = |change: &Change| {
-        let beyond = of(change).filter(|c| !is_noise(*c));
-        beyond.map_or(0.0, |c| parts[c])
-    };
+    let part = |change: &Change| of(change).map_or(0.0, |c| parts[c]);
     (bound.changes).retain(|change| part(change) > problem.options.unknown_above);
     bound.changes.iter().map(part).fold(0.0, f64::max)
 }
