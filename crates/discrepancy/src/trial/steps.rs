@@ -1,11 +1,11 @@
 //! The step of a search's runs.
 //!
-//! *Milling*: a force that follows chips is met to the second order of the step, and its default step is that
-//! of a run that is looked at, not of one that is held against a thousand samples with noise of a
-//! hundredth of it. Then an effect whose only merit is a shorter step (a base that hardly gives)
-//! fits better. So the longest step is taken of which halving shows that it leaves no more than a
-//! small part of what an output varies. Samples that are not looked at, at a jump of the force at
-//! the beginning or end of the data, say nothing of it.
+//! *Milling*: a force that follows chips is met to the second order of the step, and its default
+//! step is that of a run that is looked at, not of one that is held against a thousand samples
+//! with noise of a hundredth of it. Then an effect whose only merit is a shorter step (a base that
+//! hardly gives) fits better. So the longest step is taken of which halving shows that it leaves
+//! no more than a small part of what an output varies. Samples that are not looked at, at a jump
+//! of the force at the beginning or end of the data, say nothing of it.
 //!
 //! *Replays*: the default step follows from the arm's fastest mode, which is often that of a stiff
 //! wrist with little behind it, ten times faster than anything in the data. The scheme is exact for
@@ -287,7 +287,7 @@ mod tests {
         assert_eq!(asked.longest_step_s, f64::INFINITY);
     }
 
-    /// An IRB 6600 whose joints swing by half a radian, its torques with white noise of such a deviation.
+    /// An IRB 6600 whose joints swing by half a radian, and white noise of such a deviation.
     fn swung(noise_n_m: f64) -> Trial {
         let mut text = String::from(
             "name = \"swung\"\n[robot]\nurdf = \"../../assets/robots/irb6600_175_255/robot.urdf\"\ndrive = \"position\"\n\
@@ -331,8 +331,8 @@ mod tests {
                 white_kept: 1.0,
             }));
         }
-        let at =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/replay/of_a_test.toml");
+        let at = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../scenarios/replay/of_a_test.toml");
         let scenario = Scenario::from_str(&at, &text, &[]).unwrap_or_else(|e| panic!("{e:?}"));
         let measured = Measured {
             source: "made".into(),

@@ -149,17 +149,14 @@ impl ReducedPlant {
     }
 
     /// What a header says of this plant.
-    pub(crate) fn note(&self, steps_per_period: StepsPerPeriod) -> String {
+    pub(crate) fn note(&self, steps: StepsPerPeriod) -> String {
         let about = if self.travels {
             let renewal = RENEWAL_RAD * 1e3;
             format!("linearised along its path, every {renewal:.0} mrad")
         } else {
             "linearised about its start".to_string()
         };
-        let StepsPerPeriod {
-            without_play,
-            with_play,
-        } = steps_per_period;
+        let (without_play, with_play) = (steps.without_play, steps.with_play);
         format!(
             "time step {:.6} ms, exact for the arm {about}: at most 0.8 ms, 1/{without_play} of the fastest mode's \
              period with contact springs and rotors (1/{with_play} with play, 1/5 of a mode of the base), 1/40 of the \
