@@ -216,11 +216,9 @@ const LEVELS: [f64; 2] = [0.2, 1.0];
 fn levels(kind: EffectKind) -> &'static [f64] {
     use EffectKind as K;
     match kind {
-        K::JointViscous
-        | K::JointAsymmetricViscous
-        | K::JointRipple
-        | K::JointCounterbalance
-        | K::JointOffset => &LEVELS[1..],
+        K::JointViscous | K::JointAsymmetricViscous | K::JointRipple | K::JointOffset => {
+            &LEVELS[1..]
+        }
         _ => &LEVELS,
     }
 }
