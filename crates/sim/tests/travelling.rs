@@ -6,7 +6,7 @@ use std::path::Path;
 use truecut_recording::{ChannelSpec, Measured, MeasuredChannel, Outcome, Role, Unit};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
-use truecut_sim::run::{Engine, Rows, Run};
+use truecut_sim::run::{Claims, Engine, Rows, Run};
 
 const RATE_HZ: f64 = 250.0;
 const SAMPLES: usize = 501;
@@ -67,6 +67,32 @@ fn run(scenario: &Scenario, engine: Engine, step_ms: Option<f64>) -> Rows {
     let rows = run.rows(&TORQUE, None).unwrap();
     assert_eq!(rows.outcome, Outcome::Completed);
     rows
+}
+
+/// A run that keeps rows alone moves the tool only where a row is due: its rows are those of the
+/// recording to the last bit.
+#[test]
+fn frames_that_no_one_looks_at_change_no_row() {
+    let (scenario, measured) = (scenario(), measured());
+    let run = || Run {
+        overrides: vec![("run.record_interval_ms".to_owned(), "4".to_owned())],
+        measured: Some(&measured),
+        engine: Engine::REDUCED,
+        claims: Claims::Ignore,
+        ..Run::of(&scenario)
+    };
+    let recording = run().execute().unwrap_or_else(|e| panic!("{e}")).recording;
+    let rows = run().rows(&[], None).unwrap();
+    assert_eq!(rows.time_s.len(), SAMPLES);
+    assert!(
+        rows.channels
+            .iter()
+            .any(|spec| spec.name == "tool.position_x")
+    );
+    for (spec, column) in rows.channels.iter().zip(&rows.columns) {
+        let index = recording.header.index_of(&spec.name).expect("a channel");
+        assert_eq!(column, &recording.columns[index], "{}", spec.name);
+    }
 }
 
 /// Root mean square of what the torques are apart, of all by which rapier's swing.

@@ -15,7 +15,8 @@ const TO_A_POWER: f64 = 6.0;
 const FAST: f64 = 2.0;
 /// A mode that no size on the list moves by more than this part is no reason to look for one.
 const MOVED: f64 = 0.02;
-/// No more sizes are given: their simulations take longer than an answer is waited for.
+/// No more sizes are given, the largest: their simulations take longer than an answer is waited
+/// for, and the least are found from usual starts as well.
 const MOST_SIZES: usize = 150;
 
 impl Trial {
@@ -58,8 +59,7 @@ impl Trial {
             let own = (0..count as usize).map(|k| low * (high / low).powf(k as f64 / count));
             sizes.extend(own);
         }
-        sizes.truncate(MOST_SIZES);
-        sizes
+        sizes.split_off(sizes.len().saturating_sub(MOST_SIZES))
     }
 
     fn modes_with(&self, candidate: &Candidate, size: f64) -> Option<Vec<f64>> {
