@@ -93,7 +93,7 @@ impl Trial {
     }
 
     /// Whether no run is moved by more than a part of one deviation of what the samples differ by,
-    /// over all of them in all outputs: by no more is any size that is found, in its own deviations.
+    /// over all of them in all outputs: by no more is any size that is found, in its deviations.
     fn is_unseen(&self, before: &[Columns], now: &[Columns]) -> bool {
         let moved = |(before, now): (&Columns, &Columns)| -> f64 {
             let outputs = self.observation.outputs.iter();
@@ -335,8 +335,8 @@ mod tests {
         Trial::new(&scenario, &measured).unwrap_or_else(|e| panic!("{e}"))
     }
 
-    /// Fewer steps are taken the more noise hides them, and what they leave weighs no more than a part
-    /// of one deviation of it over all samples, against steps that are a tenth as long.
+    /// Fewer steps are taken the more noise hides them, and what they leave weighs no more than a
+    /// part of one deviation of it over all samples, against steps that are a tenth as long.
     #[test]
     fn verify_error_of_a_replay_by_a_step_of_a_fiftieth_of_a_millisecond() {
         let chosen = [1e-9, 20.0].map(|noise| {
