@@ -50,7 +50,7 @@ pub(super) fn candidates(
         .copied()
         .filter(|kind| !kind.is_curve())
     {
-        for target in targets(kind, signals, channels) {
+        for target in targets(kind, scenario, signals, channels) {
             let effect = Effect::neutral(kind, target);
             let known = |own: &Effect| own.kind == kind && own.target == effect.target;
             if misfit(scenario, &effect).is_some() {
@@ -107,7 +107,7 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
             | JointEffect::Rotor { .. },
         ) if !is_inverse(scenario) => return None,
         Typed::Joint(_, JointEffect::LinkLength { .. })
-            if !is_inverse(scenario) && !shows_places(scenario, signals) =>
+            if !is_inverse(scenario) && !signals.shows_places(scenario) =>
         {
             return None;
         }
@@ -127,12 +127,6 @@ fn scale(scenario: &Scenario, signals: &Signals, effect: &Effect) -> Option<Vec<
         }
     };
     (scale.iter().all(|s| s.is_finite() && *s > 0.0)).then_some(scale)
-}
-
-/// Whether places of the tool are measured while the arm goes from posture to posture: of one that
-/// is pushed about one, a link's length is hardly more than the weight that it moves.
-fn shows_places(scenario: &Scenario, signals: &Signals) -> bool {
-    scenario.process.facts().replays && signals.shows_places()
 }
 
 fn robot_scale(signals: &Signals, effect: RobotEffect) -> RobotEffect {

@@ -109,10 +109,11 @@ impl Signals {
         }
     }
 
-    /// Whether places of the tool were measured.
-    pub(super) fn shows_places(&self) -> bool {
+    /// Whether places of the tool were measured while the arm goes from posture to posture: of one
+    /// that is pushed about one, a link's length is hardly more than the weight that it moves.
+    pub(super) fn shows_places(&self, scenario: &Scenario) -> bool {
         let mut outputs = self.outputs.iter();
-        outputs.any(|(name, _)| is_place(name))
+        scenario.process.facts().replays && outputs.any(|(name, _)| is_place(name))
     }
 
     /// Of each joint, the greatest speed over which a friction may fall.

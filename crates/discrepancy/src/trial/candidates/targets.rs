@@ -40,13 +40,14 @@ pub(super) fn why_untold(kind: EffectKind) -> &'static str {
 
 pub(super) fn targets(
     kind: EffectKind,
+    scenario: &Scenario,
     signals: &Signals,
     channels: &[ChannelSpec],
 ) -> Vec<Target> {
     match kind.target() {
         TargetKind::Whole => vec![Target::Whole],
         // What the last link carries has no drive that would feel it.
-        TargetKind::Joint if kind == EffectKind::LinkLength && !signals.shows_places() => {
+        TargetKind::Joint if kind == EffectKind::LinkLength && !signals.shows_places(scenario) => {
             let others = signals.joints.len().saturating_sub(1);
             (0..others).map(Target::Joint).collect()
         }
