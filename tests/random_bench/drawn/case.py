@@ -75,7 +75,7 @@ def _draw(draw: np.random.Generator, seed: int, mode: str, family: str, folder: 
     case.truth = _draw_truth(draw, case, nominal, only)
     experiment.fast = False
     _check_levels(case)
-    case.clean = experiment.predict(case.truth, case.shifts)
+    case.clean = experiment.converged(case.truth, case.shifts, np.array([one.rms for one in case.noise]))
     if not np.isfinite(case.clean).all():
         raise Unfit("the run diverged")
     _measure(draw, case)

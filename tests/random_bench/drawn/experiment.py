@@ -21,6 +21,9 @@ from .moving import STILL_SAMPLES, Moving
 
 # what an arm is with, rather than what acts in its joints
 BUILT_IN = ("payload", "base_tilt", "joint_zero")
+# of the noise, what outputs of data may be off by their steps; and how much smaller these may be made for it
+LARGEST_ERROR = 0.1
+MOST_FINER = 8
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,9 @@ class Experiment:
     band_hz: float
     outputs: list[tuple[str, str]]
     uncertain: list[Uncertain]
+
+    # where nothing is stepped there is none
+    step_s = 0.0
 
     def __init__(self, draw: np.random.Generator, folder: Path) -> None:
         self.folder = folder
@@ -67,7 +73,7 @@ class Experiment:
         physical = tuple(e for e in effects if not acts_on_channels(e))
         lag_s = self.lag_s + (self.lag_deviation_s * shifts[-1] if self.lag_deviation_s else 0.0)
         own = shifts[: len(self.uncertain)]
-        key = (repr(physical), own, self.fast)
+        key = (repr(physical), own, self.fast, self.step_s)
         if key not in self.kept:
             if len(self.kept) > 60:
                 self.kept.pop(next(iter(self.kept)))
@@ -84,6 +90,27 @@ class Experiment:
             of_channel += [e for e in known if sensors.is_sensor(e) and e.target == channel]
             found.append(sensors.measured(time_s, values, of_channel, self.time - lag_s))
         return np.stack(found, axis=1)
+
+    def converged(self, effects: tuple, shifts: tuple[float, ...], noise_rms: np.ndarray) -> np.ndarray:
+        """Outputs as data are made of: at steps so small that what is left of their error is lost in the noise.
+
+        Dry friction and flanks that meet are of first order in the step: at the step that does for an arm on its springs
+        alone they may be off by as much as the noise, and a diagnosis would be asked for that.
+        """
+        whole, coarse = self.step_s, self.predict(effects, shifts)
+        try:
+            while whole and self.step_s > whole / MOST_FINER:
+                self.step_s *= 0.5
+                fine = self.predict(effects, shifts)
+                off = float(np.max(np.sqrt(np.mean((fine - coarse) ** 2, axis=0)) / noise_rms))
+                coarse = fine
+                if off < LARGEST_ERROR:
+                    return fine
+        finally:
+            self.step_s = whole
+        if whole:
+            raise RuntimeError(f"steps {MOST_FINER} times smaller still change an output by {off:.2f} of its noise")
+        return coarse
 
     @property
     def shifts(self) -> int:

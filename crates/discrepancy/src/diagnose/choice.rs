@@ -4,7 +4,7 @@
 use super::data::Rows;
 use super::derivatives::difference;
 use super::fit::Fit;
-use super::memory::{LEAST_GENERALISATION, distance, stands_out};
+use super::memory::{LEAST_GENERALISATION, distance, stands_far_out, stands_out};
 use super::problem::Problem;
 use super::screen::critical;
 use super::search::{DECISIVE, Search};
@@ -14,6 +14,10 @@ use super::validate::{Paired, compare, gain_in_size, objective, rms};
 /// The validation gain must be beyond so many standard errors; detection on the training rows has
 /// come before, and it is there that chance is kept out.
 pub(super) const LEAST_T: f64 = 1.0;
+/// So much of the gain that rules chance out suffices for what stands far out of noise of any memory:
+/// an autoregression that may be as good as a random walk follows a constant at little cost, although
+/// what is left beside it does not wander at all.
+const FAR_OUT_PART: f64 = 0.5;
 /// In standard errors.
 const CLEARLY_BEHIND: f64 = 2.0;
 
@@ -89,6 +93,9 @@ impl Search<'_, '_> {
         let bar = critical(self.problem.options.family_wise_error, tests, dof);
         let in_size = gain_in_size(self.problem, base, trial, &self.problem.split.train);
         let gain = base.objective - trial.objective + in_size;
+        if gain > FAR_OUT_PART * bar && gain <= bar {
+            return stands_far_out(self.problem, gain, &base.residual, &trial.residual);
+        }
         gain > bar
             && (in_size > bar || stands_out(self.problem, gain, &base.residual, &trial.residual))
     }

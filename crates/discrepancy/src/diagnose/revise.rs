@@ -12,7 +12,7 @@ use super::race::Race;
 use super::screen::rank;
 use super::search::{DECISIVE, Outcome, REFINED, Search, extended, settled, without};
 use super::signature::tests;
-use super::validate::gain_in_size;
+use super::validate::{gain_in_size, objective};
 
 /// Sizes, in parts of those found, from which a fit is made again.
 const RESTARTS: [f64; 4] = [-1.0, 0.4, 2.5, 4.0];
@@ -32,6 +32,9 @@ impl Search<'_, '_> {
         most: usize,
     ) -> Result<(), DiagnoseError> {
         while self.forward(outcome)? {
+            if self.rebased(outcome)? {
+                continue;
+            }
             let reached = outcome.chosen.point.kinds();
             self.backward(outcome)?;
             if outcome.chosen.point.kinds() != reached {
@@ -48,6 +51,27 @@ impl Search<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether the nominal model comes clearly further from where its numbers have been led by the
+    /// first effect: its own fit had not reached its end, and the effect made up for that. It is
+    /// looked for anew from there.
+    fn rebased(&self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
+        if outcome.chosen.point.effects.len() != 1 {
+            return Ok(false);
+        }
+        let (problem, train) = (self.problem, &self.problem.split.train);
+        let start = without(&outcome.chosen.point, 0);
+        let again = fit(problem, start, train, &outcome.orders, true)?;
+        let value = |fit: &Fit| objective(problem, &fit.residual, train, &outcome.orders);
+        if value(&again) > value(&outcome.base) - CLEARLY_BETTER {
+            return Ok(false);
+        }
+        (outcome.base, outcome.orders) = settled(problem, again)?;
+        outcome.chosen = outcome.base.clone();
+        outcome.signatures.clear();
+        outcome.rivals.clear();
+        Ok(true)
     }
 
     /// Where something is left to be found: the effect added last from other sizes, if that

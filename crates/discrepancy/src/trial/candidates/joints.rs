@@ -14,11 +14,15 @@ const MOST_CYCLES: f64 = 160.0;
 const LEAST_PHASE: f64 = 0.1;
 
 /// Under a load that varies by less than this part of itself, friction that grows with the load is
-/// dry friction.
-const LEAST_VARIATION: f64 = 0.2;
+/// dry friction. Above it the data say which of the two it is, or that they do not tell.
+const LEAST_VARIATION: f64 = 0.01;
 
 /// By as much a link's centre, or what it carries, may well be off, m.
 const OFF_CENTER_M: f64 = 0.02;
+
+/// Of a joint that turns by less than this, standard deviation in rad, a balancing spring is an
+/// offset and a stiffness: its amplitude would be whatever makes up for a transmission's.
+const LEAST_TURN: f64 = 0.02;
 
 pub(super) fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<JointEffect> {
     use JointEffect as E;
@@ -63,10 +67,15 @@ pub(super) fn joint_scale(joint: &JointSignals, effect: JointEffect) -> Option<J
             positive: effort,
             negative: effort,
         },
-        E::Counterbalance { .. } => E::Counterbalance {
-            cosine: effort,
-            sine: effort,
-        },
+        E::Counterbalance { .. } => {
+            if joint.rotary && joint.travel < LEAST_TURN {
+                return None;
+            }
+            E::Counterbalance {
+                cosine: effort,
+                sine: effort,
+            }
+        }
         E::Stribeck { .. } => E::Stribeck {
             excess: effort,
             speed: 0.2 * joint.speed,

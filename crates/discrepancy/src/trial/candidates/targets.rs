@@ -24,6 +24,9 @@ pub(in crate::trial) fn is_inverse(scenario: &Scenario) -> bool {
 pub(super) fn why_untold(kind: EffectKind) -> &'static str {
     match kind.name() {
         "joint_load_friction" => "under so even a load it is dry friction",
+        "joint_counterbalance" => {
+            "where the joint turns so little a balancing spring is an offset and a stiffness"
+        }
         "joint_ripple" => "the joint turns too little for a ripple",
         "cutting_runout" | "cutting_worn_tooth" => "with a single edge it is a depth offset",
         "wheel_eccentricity" => "the wheel does not turn",
