@@ -9,7 +9,7 @@ use super::fit::{Fit, fit};
 use super::noise::Noise;
 use super::problem::Point;
 use super::race::Race;
-use super::screen::rank;
+use super::screen::{critical, rank};
 use super::search::{DECISIVE, Outcome, REFINED, Search, extended, settled, without};
 use super::signature::tests;
 use super::validate::{gain_in_size, objective};
@@ -53,18 +53,21 @@ impl Search<'_, '_> {
         Ok(())
     }
 
-    /// Whether the nominal model comes clearly further from where its numbers have been led by the
-    /// first effect: its own fit had not reached its end, and the effect made up for that. It is
-    /// looked for anew from there.
+    /// Whether the nominal model needs no effect where its numbers have been led by the first one:
+    /// its own fit had not reached its end, and the effect made up for that. What is left is looked
+    /// for anew from there.
     fn rebased(&self, outcome: &mut Outcome) -> Result<bool, DiagnoseError> {
-        if outcome.chosen.point.effects.len() != 1 {
+        let [first] = outcome.chosen.point.effects.as_slice() else {
             return Ok(false);
-        }
+        };
         let (problem, train) = (self.problem, &self.problem.split.train);
+        let alpha = problem.options.family_wise_error;
+        let bar = critical(alpha, outcome.tests, first.values.len());
         let start = without(&outcome.chosen.point, 0);
         let again = fit(problem, start, train, &outcome.orders, true)?;
         let value = |fit: &Fit| objective(problem, &fit.residual, train, &outcome.orders);
-        if value(&again) > value(&outcome.base) - CLEARLY_BETTER {
+        let is_needed = value(&again) - value(&outcome.chosen) > bar;
+        if is_needed || value(&again) > value(&outcome.base) - CLEARLY_BETTER {
             return Ok(false);
         }
         (outcome.base, outcome.orders) = settled(problem, again)?;
