@@ -3,10 +3,10 @@
 //!
 //! Curves are no candidates of the search: with many numbers each imitates much. They are asked
 //! when the search has ended, beside the causes found and in place of those on the same joint, and
-//! must be more likely by odds of 400 to 1 with all their values integrated out, and borne out by
-//! what they were not fitted to: blocks that choose, and the last part of the data. What acts at an
-//! end of the travel alone, as an elastic stop does, may be met in one of the two and not in the
-//! other, which then says nothing of it.
+//! must be more likely by odds of 400 to 1, times the number of curves that are asked, with all
+//! their values integrated out, and borne out by what they were not fitted to: blocks that choose,
+//! and the last part of the data. What acts at an end of the travel alone, as an elastic stop does,
+//! may be met in one of the two and not in the other, which then says nothing of it.
 
 mod borne_out;
 
@@ -68,7 +68,10 @@ pub(super) fn shown(
         .filter(|&one| !is_named || joints.contains(&&problem.candidates[one].target))
         .collect();
     let rows = &problem.split.development;
-    for earned in earning(problem, outcome, last, promising(problem, outcome, wanted)) {
+    // Each of those asked is as likely as any other: the best of many has had as many chances.
+    let bar = OVERWHELMING + 2.0 * (wanted.len().max(1) as f64).ln();
+    let starts = promising(problem, outcome, wanted);
+    for earned in earning(problem, outcome, (last, bar), starts) {
         let mut ended = earned.fit;
         let Ok(predicted) = problem.predict_whole(&ended.point) else {
             continue;
@@ -187,10 +190,11 @@ struct Earned {
 }
 
 /// A fit with a curve to the blocks for fitting, if that earns its place beside or instead of the
-/// causes `chosen`; `last` are these, fitted to the development part.
+/// causes `chosen`; `last` are these, fitted to the development part. The gain must be above `bar`.
 fn earned(
     problem: &Problem,
     [chosen, last]: [&Fit; 2],
+    bar: f64,
     (found, orders): (Fit, Vec<usize>),
 ) -> Option<Earned> {
     let split = &problem.split;
@@ -205,7 +209,7 @@ fn earned(
     let ended = fit(problem, found.point, both, &orders, true).ok()?;
     let gain = criterion(problem, last, &orders) - criterion(problem, &ended, &orders);
     let on_both = compare(&last.residual, &ended.residual, &ended.noise, both);
-    let is_likely = gain > OVERWHELMING
+    let is_likely = gain > bar
         && on_both.practical >= problem.options.min_gain
         && stands_out(problem, gain, &last.residual, &ended.residual);
     is_likely.then(|| Earned {
@@ -217,7 +221,12 @@ fn earned(
 
 /// Fits of these curves beside the causes, and in place of those on the same joint: those that earn
 /// their place, likeliest first.
-fn earning(problem: &Problem, outcome: &Outcome, last: &Fit, wanted: Vec<Found>) -> Vec<Earned> {
+fn earning(
+    problem: &Problem,
+    outcome: &Outcome,
+    (last, bar): (&Fit, f64),
+    wanted: Vec<Found>,
+) -> Vec<Earned> {
     let chosen = &outcome.chosen;
     let starts: Vec<Point> = (wanted.into_iter())
         .flat_map(|curve| {
@@ -232,7 +241,7 @@ fn earning(problem: &Problem, outcome: &Outcome, last: &Fit, wanted: Vec<Found>)
     let train = &problem.split.train;
     let fitted = |start: Point| {
         let first = fit(problem, start, train, &outcome.orders, false).ok()?;
-        earned(problem, [chosen, last], settled(problem, first).ok()?)
+        earned(problem, [chosen, last], bar, settled(problem, first).ok()?)
     };
     let mut found: Vec<Earned> = starts.into_par_iter().filter_map(fitted).collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
