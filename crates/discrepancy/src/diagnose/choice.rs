@@ -89,15 +89,17 @@ impl Search<'_, '_> {
     fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
         let added = &trial.point.effects[base.point.effects.len()..];
         let dof = added.iter().map(|f| f.values.len()).sum();
-        let tests = tests.pow(added.len() as u32);
-        let bar = critical(self.problem.options.family_wise_error, tests, dof);
+        let bar_of = |tests, dof| critical(self.problem.options.family_wise_error, tests, dof);
+        let bar = bar_of(tests.pow(added.len() as u32), dof);
+        // Of more numbers, and of pairs, the best are as much further out by chance.
+        let scale = (bar / bar_of(tests, 1)).sqrt();
         let in_size = gain_in_size(self.problem, base, trial, &self.problem.split.train);
         let gain = base.objective - trial.objective + in_size;
+        let residuals = [&base.residual, &trial.residual];
         if gain > FAR_OUT_PART * bar && gain <= bar {
-            return stands_far_out(self.problem, gain, &base.residual, &trial.residual);
+            return stands_far_out(self.problem, gain, scale, residuals);
         }
-        gain > bar
-            && (in_size > bar || stands_out(self.problem, gain, &base.residual, &trial.residual))
+        gain > bar && (in_size > bar || stands_out(self.problem, gain, scale, residuals))
     }
 
     /// Whether the larger model predicts the validation blocks better: beyond chance, and enough to

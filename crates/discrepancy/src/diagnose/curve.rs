@@ -23,6 +23,7 @@ use super::fit::{Fit, Running, fit};
 use super::memory::stands_out;
 use super::noise::Noise;
 use super::problem::{Found, PLACES, Point, Problem};
+use super::screen::critical;
 use super::search::{Outcome, settled};
 use super::uncertainty::covariance;
 use super::validate::{compare, objective};
@@ -41,6 +42,18 @@ const LEVELS: [f64; 5] = [0.03, 0.1, 0.3, 1.0, 3.0];
 const TOLD_AT: usize = 61;
 /// Normal quantile of a two-sided 95 % interval.
 const Z95: f64 = 1.959_964;
+
+/// As many numbers a curve is worth, however many values it has: its bending has a price.
+const NUMBERS: usize = 10;
+
+/// What a curve must be beyond.
+#[derive(Clone, Copy)]
+struct Bar {
+    /// By as much it must be likelier, in minus twice the logarithm.
+    gain: f64,
+    /// And by so much further out of noise of any memory than one number.
+    scale: f64,
+}
 
 /// A model with a curve.
 pub(super) struct Shown {
@@ -69,7 +82,12 @@ pub(super) fn shown(
         .collect();
     let rows = &problem.split.development;
     // Each of those asked is as likely as any other: the best of many has had as many chances.
-    let bar = OVERWHELMING + 2.0 * (wanted.len().max(1) as f64).ln();
+    let asked = wanted.len().max(1);
+    let critical = |numbers| critical(problem.options.family_wise_error, asked, numbers);
+    let bar = Bar {
+        gain: OVERWHELMING + 2.0 * (asked as f64).ln(),
+        scale: (critical(NUMBERS) / critical(1)).sqrt(),
+    };
     let starts = promising(problem, outcome, wanted);
     for earned in earning(problem, outcome, (last, bar), starts) {
         let mut ended = earned.fit;
@@ -190,11 +208,11 @@ struct Earned {
 }
 
 /// A fit with a curve to the blocks for fitting, if that earns its place beside or instead of the
-/// causes `chosen`; `last` are these, fitted to the development part. The gain must be above `bar`.
+/// causes `chosen`; `last` are these, fitted to the development part. It must be above the `bar`.
 fn earned(
     problem: &Problem,
     [chosen, last]: [&Fit; 2],
-    bar: f64,
+    bar: Bar,
     (found, orders): (Fit, Vec<usize>),
 ) -> Option<Earned> {
     let split = &problem.split;
@@ -209,9 +227,9 @@ fn earned(
     let ended = fit(problem, found.point, both, &orders, true).ok()?;
     let gain = criterion(problem, last, &orders) - criterion(problem, &ended, &orders);
     let on_both = compare(&last.residual, &ended.residual, &ended.noise, both);
-    let is_likely = gain > bar
+    let is_likely = gain > bar.gain
         && on_both.practical >= problem.options.min_gain
-        && stands_out(problem, gain, &last.residual, &ended.residual);
+        && stands_out(problem, gain, bar.scale, [&last.residual, &ended.residual]);
     is_likely.then(|| Earned {
         is_borne_out: on_validation == Some(true),
         fit: ended,
@@ -224,7 +242,7 @@ fn earned(
 fn earning(
     problem: &Problem,
     outcome: &Outcome,
-    (last, bar): (&Fit, f64),
+    (last, bar): (&Fit, Bar),
     wanted: Vec<Found>,
 ) -> Vec<Earned> {
     let chosen = &outcome.chosen;

@@ -81,7 +81,7 @@ pub(super) fn thinned(problem: &Problem, fit: &Fit, tests: usize) -> Option<Poin
             let sizes = local.effects[*i].as_ref().map_or(0, Vec::len);
             let bar = critical(problem.options.family_wise_error, tests, sizes);
             let without = || local.residual_without(*i);
-            *gain < bar || !stands_out(problem, *gain, &without(), &local.residual)
+            *gain < bar || !stands_out(problem, *gain, 1.0, [&without(), &local.residual])
         });
         let Some((_, idle)) = idle else { break };
         local.remove(*idle);

@@ -3,6 +3,7 @@
 use truecut_scenario::effect::EffectKind;
 
 use crate::diagnose::DiagnoseError;
+use crate::diagnose::choice::LEAST_T;
 use crate::diagnose::data::Rows;
 use crate::diagnose::derivatives::difference;
 use crate::diagnose::fit::Fit;
@@ -22,7 +23,8 @@ const FAINT: f64 = 0.01;
 const Z99: f64 = 2.575_829;
 
 /// Whether other rows than those to which a model with a curve was `fitted` bear it out against one
-/// that leaves `without`; `None` where it says nothing of them. A curve follows the noise a little
+/// that leaves `without`, beyond chance: by a hair every second curve of noise predicts other noise
+/// better. `None` where it says nothing of them. A curve follows the noise a little
 /// wherever it has values, and predicts rows that its law does not reach worse for that, by as much
 /// as it changes them: only what is beyond its band counts against it, and for it as well. A
 /// friction in the place of the causes on its joint is its own mean where it was not seen.
@@ -32,7 +34,8 @@ pub(super) fn borne_out(
     with: &Fit,
     [fitted, others]: [&Rows; 2],
 ) -> Result<Option<bool>, DiagnoseError> {
-    if compare(without, &with.residual, &with.noise, others).gain > 0.0 {
+    let is_better = |left: &Columns| compare(without, left, &with.noise, others).t() > LEAST_T;
+    if is_better(&with.residual) {
         return Ok(Some(true));
     }
     let squares = |residual: &Columns, rows: &Rows| {
@@ -46,8 +49,7 @@ pub(super) fn borne_out(
         return Ok(None);
     }
     let limited = within_its_band(problem, with, [fitted, others])?;
-    let bears = |left: &Columns| compare(without, left, &with.noise, others).gain > 0.0;
-    if limited.as_ref().is_some_and(bears) {
+    if limited.as_ref().is_some_and(is_better) {
         return Ok(Some(true));
     }
     let is_silent = limited.is_some_and(|residual| squares(&residual, others) <= least);
