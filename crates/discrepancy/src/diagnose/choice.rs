@@ -85,7 +85,8 @@ impl Search<'_, '_> {
     /// Whether chance is ruled out: on the training rows, where a pair counts for all the pairs
     /// there are, and for noise of any memory, unless what is left without it is larger than noise
     /// that is known can be: that may be followed by an autoregression as well as noise, and be as
-    /// slow as noise of any memory, but its size tells.
+    /// slow as noise of any memory, but its size tells. What stands far out of noise of any memory
+    /// needs no more than half the gain.
     fn is_detected(&self, base: &Fit, trial: &Fit, tests: usize) -> bool {
         let added = &trial.point.effects[base.point.effects.len()..];
         let dof = added.iter().map(|f| f.values.len()).sum();

@@ -73,7 +73,13 @@ impl Search<'_, '_> {
         (outcome.base, outcome.orders) = settled(problem, again)?;
         outcome.chosen = outcome.base.clone();
         outcome.signatures.clear();
-        outcome.rivals.clear();
+        for fits in [
+            &mut outcome.rivals,
+            &mut outcome.singles,
+            &mut outcome.pairs,
+        ] {
+            fits.clear();
+        }
         Ok(true)
     }
 

@@ -1,0 +1,68 @@
+"""Causes whose traces are much alike, and none where there is none. Drawn arms in MuJoCo."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import run  # noqa: E402
+from drawn.case import draw_case  # noqa: E402
+from drawn.judge import ask  # noqa: E402
+
+PROGRAM = shlex.split(os.environ.get("TRUECUT_BIN", run.PROGRAM))
+
+
+@pytest.mark.parametrize("seed", [9_710_002, 9_710_004, 9_710_007])
+def test_crosscheck_mujoco_friction_under_an_even_load_is_told_from_dry_friction(seed, tmp_path):
+    """The load varies by less than a fifth, and still more than what is measured errs by."""
+    case = draw_case(seed, "forward", "strong", tmp_path, "joint_load_friction")
+    (hidden,) = case.truth
+    answer = ask(PROGRAM, case, 2)
+    print(hidden, answer.verdict, answer.diagnosis["reason"])
+    (found,) = answer.diagnosis["causes"]
+    assert (found["kind"], found["target"]) == ("joint_load_friction", f"joint{hidden.target}")
+    assert found["parameters"]["share"]["value"] == pytest.approx(hidden.values["share"], rel=0.1)
+
+
+@pytest.mark.parametrize("seed", [9_792_000, 9_792_001])
+def test_crosscheck_mujoco_a_softer_joint_of_a_pushed_arm_is_no_balancing_spring(seed, tmp_path):
+    """About one posture such a spring is a stiffness, with an amplitude that no joint carries."""
+    case = draw_case(seed, "load", "strong", tmp_path, "joint_stiffness")
+    (hidden,) = case.truth
+    answer = ask(PROGRAM, case, 2)
+    print(hidden, answer.verdict, answer.diagnosis["reason"])
+    (found,) = answer.diagnosis["causes"]
+    assert (found["kind"], found["target"]) == ("joint_stiffness", f"joint{hidden.target}")
+    told = answer.diagnosis["alternatives"]
+    assert not [one for other in told for one in other["causes"] if one["kind"] == "joint_counterbalance"]
+
+
+def test_crosscheck_mujoco_what_makes_up_for_a_fit_that_had_not_ended_is_no_cause(tmp_path):
+    """Stiffness, inertia and lag of a pushed arm lie along one valley: a first cause helped them along it."""
+    case = draw_case(9_750_112, "load", "clean", tmp_path)
+    answer = ask(PROGRAM, case, 2)
+    print(answer.verdict, answer.diagnosis["reason"])
+    assert answer.verdict == "nothing_beyond_noise"
+
+
+def test_data_are_made_at_steps_that_are_lost_in_the_noise(tmp_path):
+    """A load friction, which at the step of the nominal arm is off by as much as the noise."""
+    case = draw_case(9_740_001, "forward", "strong", tmp_path, "joint_load_friction")
+    experiment, noise = case.experiment, np.array([one.rms for one in case.noise])
+
+    def error(values: np.ndarray) -> float:
+        return float(np.max(np.sqrt(np.mean((values - finest) ** 2, axis=0)) / noise))
+
+    coarse = experiment.predict(case.truth, case.shifts)
+    experiment.step_s /= 16.0
+    finest = experiment.predict(case.truth, case.shifts)
+    print(error(coarse), error(case.clean))
+    assert error(coarse) > 0.5
+    assert error(case.clean) < 0.1
