@@ -15,8 +15,8 @@ use super::validate::{Paired, compare, gain_in_size, objective, rms};
 /// come before, and it is there that chance is kept out.
 pub(super) const LEAST_T: f64 = 1.0;
 /// So much of the gain that rules chance out suffices for what stands far out of noise of any
-/// memory: an autoregression that may be as good as a random walk follows a constant at little cost,
-/// although what is left beside it does not wander at all.
+/// memory: an autoregression that may be as good as a random walk follows a constant at little
+/// cost, although what is left beside it does not wander at all.
 const FAR_OUT_PART: f64 = 0.5;
 /// In standard errors.
 const CLEARLY_BEHIND: f64 = 2.0;

@@ -17,8 +17,8 @@ const LEAST_DISTANCE: f64 = 3.5;
 /// Least mean ratio over both noise models: this one, and an autoregression.
 pub(super) const LEAST_MEAN_DISTANCE: f64 = 5.1;
 /// The same where the autoregression leaves a doubt, in units of the scale of [`stands_far_out`]
-/// (tuned: 120 drawn sets without a cause, of arms that are led and of arms that are pushed, came to
-/// 5.4 at most and mostly to less than 4, two causes that had been missed to 6.1 and 6.5).
+/// (tuned: 120 drawn sets without a cause, of arms that are led and of arms that are pushed, came
+/// to 5.4 at most and mostly to less than 4, two causes that had been missed to 6.1 and 6.5).
 const FAR_MEAN_DISTANCE: f64 = 6.0;
 /// A generalisation must stand out so far from what it generalises, which is itself beyond doubt.
 pub(super) const LEAST_GENERALISATION: f64 = 1.8;
