@@ -25,6 +25,8 @@ from workers import Cluster, Watch, kill_later  # noqa: E402
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 SCENARIO = ROOT / "scenarios" / "arm" / "uncertain_arm.toml"
 WORKERS = 2
+# of those asked for, as many trials are made at most
+MOST_ATTEMPTS = 3
 
 
 def swept(out: Path, rows: int, *words: object) -> float:
@@ -62,7 +64,11 @@ def efficiency(folder: Path, rows: int, turns: int) -> bool:
 
 
 def trials(folder: Path, rows: int, count: int, seed: int) -> bool:
-    """Kills a worker in each; whether all tables are those of the threads, and each row came once."""
+    """Kills a worker in each; whether all tables are those of the threads, and each row came once.
+
+    A sweep that had ended before its worker was killed, on a machine that other work had slowed down until then, says
+    nothing: the moment is drawn again.
+    """
     draw = random.Random(seed)
     part_rows = max(1, rows // 40)
     swept(folder / "here", rows, "--jobs", WORKERS)
@@ -71,7 +77,9 @@ def trials(folder: Path, rows: int, count: int, seed: int) -> bool:
         quiet_s = swept(folder / "quiet_out", rows, *words, "--server", cluster.server)
     print(f"{rows} rows in parts of {part_rows}, nobody killed: {quiet_s:.1f} s")
     good = table(folder / "here") == table(folder / "quiet_out")
-    for trial in range(count):
+    attempts, killed = 0, 0
+    while killed < count and attempts < MOST_ATTEMPTS * count:
+        trial, attempts = attempts, attempts + 1
         out, after_s = folder / f"out{trial}", draw.uniform(0.02, 0.95) * quiet_s
         parts = out / "uncertain_arm" / "parts"
         with Cluster(folder / f"cluster{trial}", WORKERS) as cluster, Watch(parts) as watch:
@@ -81,13 +89,14 @@ def trials(folder: Path, rows: int, count: int, seed: int) -> bool:
             timer.join()
             came = victim.poll() is not None and after_s < took_s
         same, once = table(out) == table(folder / "here"), watch.rows == list(range(rows))
-        good &= same and once and came
+        good &= same and once
+        killed += came
         print(
-            f"trial {trial + 1}: a worker killed after {after_s:.1f} s of {took_s:.1f} s{'' if came else ', TOO LATE'}; "
+            f"trial {trial + 1}: a worker killed after {after_s:.1f} s of {took_s:.1f} s{'' if came else ', too late: once more'}; "
             f"{'the same' if same else 'NOT THE SAME'} to the bit, {'no row twice' if once else 'ROWS TWICE OR UNSEEN'}",
             flush=True,
         )
-    return good
+    return good and killed == count
 
 
 def main() -> int:
