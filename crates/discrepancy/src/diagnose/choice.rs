@@ -97,8 +97,9 @@ impl Search<'_, '_> {
         let in_size = gain_in_size(self.problem, base, trial, &self.problem.split.train);
         let gain = base.objective - trial.objective + in_size;
         let residuals = [&base.residual, &trial.residual];
-        if gain > FAR_OUT_PART * bar && gain <= bar {
-            return stands_far_out(self.problem, gain, scale, residuals);
+        if gain <= bar {
+            let is_near = gain > FAR_OUT_PART * bar;
+            return is_near && stands_far_out(self.problem, gain, scale, residuals);
         }
         gain > bar && (in_size > bar || stands_out(self.problem, gain, scale, residuals))
     }

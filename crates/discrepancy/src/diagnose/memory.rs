@@ -49,14 +49,8 @@ pub(super) fn distance(problem: &Problem, first: &Columns, second: &Columns) -> 
 /// Whether a change is beyond chance in noise of any memory, besides gaining `gain` in minus twice
 /// the log-likelihood under an autoregression. It must be so by `scale` times as much as the best
 /// of single changes of one size.
-pub(super) fn stands_out(
-    problem: &Problem,
-    gain: f64,
-    scale: f64,
-    [first, second]: [&Columns; 2],
-) -> bool {
-    let distance = distance(problem, first, second);
-    let mean = 0.5 * (gain.max(0.0).sqrt() + distance);
+pub(super) fn stands_out(problem: &Problem, gain: f64, scale: f64, pair: [&Columns; 2]) -> bool {
+    let (distance, mean) = two_views(problem, gain, pair);
     distance > scale * LEAST_DISTANCE && mean > scale * LEAST_MEAN_DISTANCE
 }
 
@@ -66,10 +60,16 @@ pub(super) fn stands_far_out(
     problem: &Problem,
     gain: f64,
     scale: f64,
-    [first, second]: [&Columns; 2],
+    pair: [&Columns; 2],
 ) -> bool {
+    two_views(problem, gain, pair).1 > scale * FAR_MEAN_DISTANCE
+}
+
+/// Distance of a pair of residuals in noise of any memory, and its mean with that under an
+/// autoregression.
+fn two_views(problem: &Problem, gain: f64, [first, second]: [&Columns; 2]) -> (f64, f64) {
     let distance = distance(problem, first, second);
-    0.5 * (gain.max(0.0).sqrt() + distance) > scale * FAR_MEAN_DISTANCE
+    (distance, 0.5 * (gain.max(0.0).sqrt() + distance))
 }
 
 /// Number of fitted parameters of a change.
