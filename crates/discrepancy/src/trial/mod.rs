@@ -145,7 +145,9 @@ impl Trial {
         let mut thinning = None;
         let run_s = |measured| reduced(scenario, measured, &robots).time_step_s();
         let (jumps, bridged) = match scenario.process {
-            ProcessSpec::Milling(_) => Jumps::bridged(scenario, measured, run_s(measured)?),
+            ProcessSpec::Milling(_) => {
+                Jumps::bridged(scenario, measured, &reduced(scenario, measured, &robots))?
+            }
             _ => (Jumps::default(), measured.clone()),
         };
         let measured = &bridged;
