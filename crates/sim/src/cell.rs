@@ -4,6 +4,7 @@ mod building;
 mod deflection;
 mod step;
 
+use crate::channels;
 use crate::command::JointCommand;
 use crate::contact::ContactSolver;
 use crate::error::SimError;
@@ -52,6 +53,8 @@ pub(crate) struct Cell {
     sensors: Vec<(usize, Sensor)>,
     steps: usize,
     steps_per_row: usize,
+    /// Steps between two rows, before every step was to be one.
+    steps_per_balance: usize,
     /// Kinetic and potential energy at the last step, J.
     energy_j: (f64, f64),
     torque_use: TorqueUse,
@@ -62,8 +65,17 @@ pub(crate) struct Cell {
     hasty_clock: Option<String>,
     deflection: Option<PathDeflection>,
     scalars: Vec<Scalar>,
-    /// Nothing but rows is asked for.
-    rows_only: bool,
+    /// All that is asked for, if not the whole run.
+    asked: Option<Asked>,
+}
+
+/// What rows alone are asked for, beside channels that are at hand in every step.
+#[derive(Clone, Copy)]
+struct Asked {
+    /// The energy of the arm.
+    energy: bool,
+    /// How far the tool is off its path.
+    deflection: bool,
 }
 
 /// What a run ended with; give it to [`Recorder::finish`].
@@ -114,10 +126,18 @@ impl Cell {
         &self.channels
     }
 
-    /// Leaves out of the run what neither forces nor channels need; it ends without findings.
-    pub fn keep_rows_only(&mut self) {
+    /// Leaves out of the run what neither forces nor these channels need; it ends without findings,
+    /// and other channels of its rows are no numbers.
+    pub fn keep_only(&mut self, channels: &[usize]) {
         self.process.keep_rows_only();
-        self.rows_only = true;
+        let is_asked = |of: &dyn Fn(&str) -> bool| {
+            let mut names = channels.iter().map(|index| &self.channels[*index].name);
+            names.any(|name| of(name))
+        };
+        self.asked = Some(Asked {
+            energy: is_asked(&channels::is_energy),
+            deflection: is_asked(&PathDeflection::is_channel),
+        });
     }
 
     /// A row at every step, whatever the scenario says.
@@ -255,7 +275,7 @@ impl Cell {
         for step in 0..=self.steps {
             let time_s = step as f64 * self.plant.time_step_s();
             let due = step % self.steps_per_row == 0;
-            let state = match self.step(time_s, due) {
+            let state = match self.step(step, time_s) {
                 Ok(state) => state,
                 Err(ended) => {
                     outcome = ended;
@@ -271,7 +291,7 @@ impl Cell {
                 break;
             }
             let next_is_due = (step + 1).is_multiple_of(self.steps_per_row);
-            if self.rows_only && self.process.is_idle() && !next_is_due {
+            if self.asked.is_some() && self.process.is_idle() && !next_is_due {
                 self.plant.drift_unseen();
             } else {
                 self.plant.drift();

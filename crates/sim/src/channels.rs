@@ -6,6 +6,14 @@ use nalgebra::Vector3;
 use truecut_arm::{Joint, JointKind, Robot};
 use truecut_recording::{ChannelSpec, Unit};
 
+const KINETIC: &str = "energy.kinetic";
+const POTENTIAL: &str = "energy.potential";
+
+/// Whether a channel of that name is an energy of the arm.
+pub(crate) fn is_energy(name: &str) -> bool {
+    [KINETIC, POTENTIAL].contains(&name)
+}
+
 /// Channels of the robot, in the order of [`record`]. The first `base_joints` are tilts of the
 /// base; the joints of the arm are counted from 1 behind them.
 pub(crate) fn specs(robot: &Robot, base_joints: usize) -> Vec<ChannelSpec> {
@@ -32,12 +40,12 @@ pub(crate) fn specs(robot: &Robot, base_joints: usize) -> Vec<ChannelSpec> {
         specs.extend(joint_specs(i + 1, joint));
     }
     specs.push(ChannelSpec::new(
-        "energy.kinetic",
+        KINETIC,
         Unit::Joule,
         "Kinetic energy of the arm",
     ));
     specs.push(ChannelSpec::new(
-        "energy.potential",
+        POTENTIAL,
         Unit::Joule,
         "Energy in gravity and transmissions",
     ));

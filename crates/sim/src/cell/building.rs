@@ -115,6 +115,7 @@ impl Cell {
                 .to_rotation_matrix()
                 .matrix(),
             steps_per_row,
+            steps_per_balance: steps_per_row,
             steps,
             energy_j: (0.0, 0.0),
             torque_use: TorqueUse::new(&prepared),
@@ -123,7 +124,7 @@ impl Cell {
             placeholders: (prepared.robot.chain.placeholders.clone())
                 .filter(|_| scenario.run.placeholders == FaultRule::Fail),
             deflection,
-            rows_only: false,
+            asked: None,
             scalars: plant_scalars(&prepared),
             process: prepared.process,
             command: prepared.command,

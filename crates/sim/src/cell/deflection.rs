@@ -9,6 +9,8 @@ use truecut_recording::{ChannelSpec, Unit};
 
 use crate::plant::JointState;
 
+/// How the names of the channels begin.
+const NAME: &str = "tool.deflection_";
 /// Shorter moves between two rows give no direction, m.
 const STANDS_M: f64 = 1e-9;
 
@@ -51,8 +53,13 @@ impl PathDeflection {
         ]
         .map(|(axis, called)| {
             let text = format!("{text}, {called}");
-            ChannelSpec::new(format!("tool.deflection_{axis}"), Unit::Metre, text)
+            ChannelSpec::new(format!("{NAME}{axis}"), Unit::Metre, text)
         })
+    }
+
+    /// Whether a channel of that name is one of these.
+    pub(super) fn is_channel(name: &str) -> bool {
+        name.starts_with(NAME)
     }
 
     /// Along the path, across it, and away from the workpiece, m; while the arm stands still with

@@ -10,10 +10,9 @@ use nalgebra::Vector3;
 use truecut_recording::Outcome;
 
 impl Cell {
-    /// One step at `time_s`, up to the moment when it could be recorded: the state then, or how it
-    /// ended the run. Where rows are all that is asked for, energy is looked at in those alone, and
-    /// not at all where the arm is stepped exactly.
-    pub(super) fn step(&mut self, time_s: f64, due: bool) -> Result<ToolState, Outcome> {
+    /// The `step`-th step, at `time_s`, up to the moment when it could be recorded: the state then,
+    /// or how it ended the run.
+    pub(super) fn step(&mut self, step: usize, time_s: f64) -> Result<ToolState, Outcome> {
         let n = self.plant.dof();
         let mut position = [0.0; truecut_arm::MAX_JOINTS];
         let mut velocity = [0.0; truecut_arm::MAX_JOINTS];
@@ -34,7 +33,7 @@ impl Cell {
             .solve(self.plant.as_mut(), &loads.contacts, &self.axes);
         self.plant
             .finish(&self.contacts.wrenches, &self.contacts.joint_torques);
-        if !self.rows_only {
+        if self.asked.is_none() {
             self.torque_use.watch(time_s, self.plant.as_ref());
             self.spring_use.watch(time_s, self.plant.joints());
         }
@@ -42,7 +41,7 @@ impl Cell {
         state.tool.velocity_m_per_s = self.velocity(Attachment::Tool);
         state.foot.velocity_m_per_s = self.velocity(Attachment::Foot);
         state.tool_turning_rad_s = self.rate(Attachment::Tool, 3);
-        if let Some(diverged) = self.watch(time_s, &wrenches, due) {
+        if let Some(diverged) = self.watch(step, time_s, &wrenches) {
             return Err(diverged);
         }
         let dt_s = self.plant.time_step_s();
@@ -90,15 +89,19 @@ impl Cell {
         }
     }
 
-    /// Whether the run has diverged. `due` says that the step is recorded.
-    fn watch(&mut self, time_s: f64, wrenches: &[WorldWrench], due: bool) -> Option<Outcome> {
-        let looked_at = due || !self.rows_only;
+    /// Whether the run has diverged. Where rows alone are asked for, energy is balanced at the
+    /// interval of the rows that the scenario has, and not at all where the arm is stepped exactly.
+    fn watch(&mut self, step: usize, time_s: f64, wrenches: &[WorldWrench]) -> Option<Outcome> {
+        let every = |steps: usize| step.is_multiple_of(steps);
+        let looked_at = self.asked.is_none_or(|asked| {
+            every(self.steps_per_balance) || asked.energy && every(self.steps_per_row)
+        });
         if looked_at {
             self.energy_j = self.plant.energy_j();
         }
         // An arm about one posture is stepped exactly, without energy of its own; of thousands of
         // such runs in a search the balance would take a tenth.
-        let balanced = !(self.rows_only && self.plant.is_linear());
+        let balanced = self.asked.is_none() || !self.plant.is_linear();
         let balance = balanced.then(|| Balance {
             dt_s: self.plant.time_step_s(),
             energy_j: looked_at.then_some(self.energy_j.0 + self.energy_j.1),
@@ -143,7 +146,9 @@ impl Cell {
             self.energy_j,
         );
         if let Some(deflection) = &mut self.deflection {
-            row.extend(deflection.now(self.plant.joints()));
+            let is_asked = self.asked.is_none_or(|asked| asked.deflection);
+            let now = is_asked.then(|| deflection.now(self.plant.joints()));
+            row.extend(now.unwrap_or([f64::NAN; 3]));
         }
         self.process.record(row);
         debug_assert_eq!(

@@ -35,7 +35,7 @@ pub use custom::OwnProcess;
 pub(crate) use dispatch::set_up;
 pub use foot::{Foot, FootParameters};
 pub use load::Load;
-pub use milling::{Milling, MillingSetup, MillingTheory};
+pub use milling::{Milling, MillingSetup, MillingTheory, TheoryInputs};
 pub(crate) use milling::{linear_share, notes as milling_notes};
 pub use path_milling::{PathMilling, PathMillingSetup};
 pub use polish::{Polish, PolishSetup};

@@ -57,7 +57,7 @@ impl Run<'_> {
                 .collect(),
             outcome: Outcome::Completed,
         };
-        cell.keep_rows_only();
+        cell.keep_only(&kept);
         let end = cell.run_rows(|time_s, row| {
             rows.time_s.push(time_s);
             for (column, index) in rows.columns.iter_mut().zip(&kept) {

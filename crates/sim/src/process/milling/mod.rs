@@ -12,8 +12,8 @@ pub(crate) mod setup;
 mod tip;
 
 pub(crate) use report::linear_share;
-pub use setup::MillingTheory;
 pub(crate) use setup::notes;
+pub use setup::{MillingTheory, TheoryInputs};
 
 use super::modes::{self, Modes};
 use super::quantity;
@@ -56,7 +56,7 @@ pub struct MillingSetup {
     pub mean_deflection_m: Vector3<f64>,
     /// The walls that the pass finishes, the one of down-milling first.
     pub finished_walls: Vec<Wall>,
-    pub theory: MillingTheory,
+    pub theory: TheoryInputs,
     /// Largest part of the arm's mass at its tool point that a tool mode moves.
     pub mode_share: f64,
     /// Natural frequency of the fastest mode of arm, tool and workpiece.

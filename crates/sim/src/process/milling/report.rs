@@ -80,7 +80,7 @@ pub(super) fn findings(milling: &Milling) -> Findings {
     forces(milling, &mut findings);
     vibration(milling, &mut findings);
     surfaces(milling, &mut findings);
-    predictions(&milling.setup.theory, &mut findings);
+    predictions(&milling.setup.theory.limits(), &mut findings);
     findings
 }
 

@@ -29,6 +29,14 @@ const MOST_CYCLES: f64 = 2000.0;
 /// Largest cosine between feed and tool axis.
 const LARGEST_COSINE: f64 = 1e-6;
 
+/// What the theories are asked for: the nominal cut, by the modes of the arm at its start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TheoryInputs {
+    modes: Vec<TipMode>,
+    cut: NominalCut,
+    tooth_period_s: f64,
+}
+
 /// What the averaged theories predict at the posture of the start; published beside the result.
 /// Depths in m, infinite if no depth is unstable; frequencies in Hz.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,7 +131,11 @@ fn milling(
         mean_load: (mean_load.0 * deeper, mean_load.1 * deeper),
         mean_deflection_m: deflection * deeper,
         finished_walls: finished_walls(&cut.engagement),
-        theory: theory(&modes_of(nominal)?, &nominal.cut, nominal.tooth_period_s()),
+        theory: TheoryInputs {
+            modes: modes_of(nominal)?,
+            cut: nominal.cut,
+            tooth_period_s: nominal.tooth_period_s(),
+        },
         mode_share: arm.largest_share(&tool),
         fastest_mode_hz: modes
             .iter()
@@ -225,32 +237,36 @@ pub(crate) fn notes(cut: &NominalCut) -> Vec<String> {
     notes
 }
 
-/// Limits with the modes of arm, tool and workpiece, gravity aside.
-fn theory(modes: &[TipMode], cut: &NominalCut, tooth_period_s: f64) -> MillingTheory {
-    let matrix = DirectionalMatrix::from(cut);
-    let average = matrix.averaged(tooth_period_s);
-    let coupling = mode_coupling_limit(modes, average);
-    let regenerative = zero_order_limit(modes, average, tooth_period_s);
-    let depth = |c: Option<Crossing>| c.map_or(f64::INFINITY, |c| c.depth_m);
-    let hz = |c: Option<Crossing>| c.map_or(f64::NAN, |c| c.frequency_hz);
-    let limit = regenerative
-        .filter(|_| modes.len() <= MOST_MODES)
-        .and_then(|zero_order| {
-            let search = LimitSearch::to_depth(2.0 * zero_order.depth_m);
-            first_limit(
-                &SpectralElements::new(modes, &matrix),
-                tooth_period_s,
-                &search,
-            )
-        });
-    let of_limit = |value: &dyn Fn(FirstLimit) -> f64| limit.map_or(f64::NAN, value);
-    MillingTheory {
-        stability_depth_m: limit.map_or(f64::INFINITY, |limit| limit.depth_m),
-        stability_hz: of_limit(&|limit| limit.multiplier.chatter_hz(modes, tooth_period_s)),
-        stability_error_m: of_limit(&|limit| limit.error_m),
-        coupling_depth_m: depth(coupling),
-        coupling_hz: hz(coupling),
-        regenerative_depth_m: depth(regenerative),
-        regenerative_hz: hz(regenerative),
+impl TheoryInputs {
+    /// Limits with the modes of arm, tool and workpiece, gravity aside. They take as long as many
+    /// revolutions of a run.
+    pub fn limits(&self) -> MillingTheory {
+        let (modes, tooth_period_s) = (&self.modes, self.tooth_period_s);
+        let matrix = DirectionalMatrix::from(&self.cut);
+        let average = matrix.averaged(tooth_period_s);
+        let coupling = mode_coupling_limit(modes, average);
+        let regenerative = zero_order_limit(modes, average, tooth_period_s);
+        let depth = |c: Option<Crossing>| c.map_or(f64::INFINITY, |c| c.depth_m);
+        let hz = |c: Option<Crossing>| c.map_or(f64::NAN, |c| c.frequency_hz);
+        let limit = regenerative
+            .filter(|_| modes.len() <= MOST_MODES)
+            .and_then(|zero_order| {
+                let search = LimitSearch::to_depth(2.0 * zero_order.depth_m);
+                first_limit(
+                    &SpectralElements::new(modes, &matrix),
+                    tooth_period_s,
+                    &search,
+                )
+            });
+        let of_limit = |value: &dyn Fn(FirstLimit) -> f64| limit.map_or(f64::NAN, value);
+        MillingTheory {
+            stability_depth_m: limit.map_or(f64::INFINITY, |limit| limit.depth_m),
+            stability_hz: of_limit(&|limit| limit.multiplier.chatter_hz(modes, tooth_period_s)),
+            stability_error_m: of_limit(&|limit| limit.error_m),
+            coupling_depth_m: depth(coupling),
+            coupling_hz: hz(coupling),
+            regenerative_depth_m: depth(regenerative),
+            regenerative_hz: hz(regenerative),
+        }
     }
 }
