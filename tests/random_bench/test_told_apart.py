@@ -13,8 +13,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import run  # noqa: E402
-from drawn.case import draw_case  # noqa: E402
+from drawn.case import Case, _measure, draw_case  # noqa: E402
 from drawn.judge import ask  # noqa: E402
+from drawn.laws import sized  # noqa: E402
 
 PROGRAM = shlex.split(os.environ.get("TRUECUT_BIN", run.PROGRAM))
 
@@ -42,6 +43,49 @@ def test_crosscheck_mujoco_a_softer_joint_of_a_pushed_arm_is_no_balancing_spring
     assert (found["kind"], found["target"]) == ("joint_stiffness", f"joint{hidden.target}")
     told = answer.diagnosis["alternatives"]
     assert not [one for other in told for one in other["causes"] if one["kind"] == "joint_counterbalance"]
+
+
+def hidden_in(case: Case, draw: np.random.Generator, effects: tuple) -> Case:
+    """A clean set, measured again with these effects in it."""
+    case.truth = effects
+    case.clean = case.experiment.converged(effects, case.shifts, np.array([one.rms for one in case.noise]))
+    _measure(draw, case)
+    return case
+
+
+@pytest.mark.parametrize("seed", [9_795_101, 9_795_104])
+def test_crosscheck_mujoco_an_offset_larger_than_the_dry_friction_is_named_with_it(seed, tmp_path):
+    """A friction of its own in either direction would be both in one, and drive in one of them."""
+    case, draw = draw_case(seed, "forward", "clean", tmp_path), np.random.default_rng(seed)
+    names = [name for name, _ in case.experiment.outputs if name.endswith("transmission_torque")]
+    name = str(draw.choice(names))
+    joint, noise = int(name[5]), dict(zip((n for n, _ in case.experiment.outputs), case.noise))[name].rms
+    friction = noise * draw.uniform(6.0, 12.0)
+    offset = friction * draw.uniform(1.3, 2.5) * draw.choice([-1.0, 1.0])
+    case = hidden_in(case, draw, (sized("joint_coulomb", joint, [friction]), sized("joint_offset", joint, [offset])))
+    answer = ask(PROGRAM, case, 2)
+    print(case.truth, case.nuisances, answer.verdict, answer.diagnosis["reason"])
+    told = [answer.diagnosis, *answer.diagnosis["alternatives"]]
+    told = [{(one["kind"], one["target"]): one["parameters"] for one in other["causes"]} for other in told]
+    # where the arm hardly gives way, an offset of the sensor is the same with the other sign
+    assert all(("joint_coulomb", f"joint{joint}") in other and len(other) == 2 for other in told), told
+    both = [other for other in told if ("joint_offset", f"joint{joint}") in other]
+    assert both, told
+    assert both[0]["joint_coulomb", f"joint{joint}"]["friction_n_m"]["value"] == pytest.approx(friction, rel=0.1)
+    assert both[0]["joint_offset", f"joint{joint}"]["force_n_m"]["value"] == pytest.approx(offset, rel=0.1)
+
+
+def test_crosscheck_mujoco_offset_and_friction_are_found_where_either_hides_the_other(tmp_path):
+    """Noise that is stated, and an offset of 45 times that, which an autoregression follows as a slow noise."""
+    case = draw_case(9_700_008, "forward", "pair", tmp_path)
+    _, friction = case.truth
+    answer = ask(PROGRAM, case, 2)
+    print(case.truth, answer.verdict, answer.diagnosis["reason"])
+    told = [answer.diagnosis, *answer.diagnosis["alternatives"]]
+    kinds = [{(one["kind"], one["target"]) for one in other["causes"]} for other in told]
+    assert {("joint_offset", "joint1"), ("joint_coulomb", "joint1")} in kinds
+    dry = next(one for one in answer.diagnosis["causes"] if one["kind"] == "joint_coulomb")
+    assert dry["parameters"]["friction_n_m"]["value"] == pytest.approx(friction.values["friction_n_m"], rel=0.05)
 
 
 def test_crosscheck_mujoco_what_makes_up_for_a_fit_that_had_not_ended_is_no_cause(tmp_path):

@@ -32,6 +32,7 @@ mod gate;
 mod late;
 mod lengths;
 mod memory;
+mod moments;
 mod noise;
 mod orders;
 mod pairs;

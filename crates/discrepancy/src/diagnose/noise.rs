@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::data::{LAGS, Rows};
+use super::moments::solve;
 use crate::model::Columns;
 
 /// `n[t] = sum_k ar[k] n[t-1-k] + e[t]`, `e` white with standard deviation `sigma`.
@@ -267,88 +268,6 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
     sums.iter().sum::<f64>() + rest
-}
-
-/// Least squares with priors; columns that are nothing but rounding get zero.
-pub(super) fn solve(target: &[f64], columns: &[Vec<f64>], priors: &[Prior]) -> Vec<f64> {
-    Moments::new(target, columns).solve(priors)
-}
-
-/// Sum of squares of the target that columns explain, of which nothing is known beforehand.
-pub(super) fn explained(target: &[f64], columns: &[Vec<f64>]) -> f64 {
-    Moments::new(target, columns).explained()
-}
-
-/// Inner products of columns with one another and with what they are to explain. Those of parts of
-/// the rows add up.
-#[derive(Debug, Clone)]
-pub(super) struct Moments {
-    columns: DMatrix<f64>,
-    target: DVector<f64>,
-}
-
-impl Moments {
-    pub(super) fn new(target: &[f64], columns: &[Vec<f64>]) -> Moments {
-        let k = columns.len();
-        let mut products = DMatrix::zeros(k, k);
-        for i in 0..k {
-            for j in i..k {
-                products[(i, j)] = dot(&columns[i], &columns[j]);
-                products[(j, i)] = products[(i, j)];
-            }
-        }
-        Moments {
-            columns: products,
-            target: DVector::from_iterator(k, columns.iter().map(|x| dot(x, target))),
-        }
-    }
-
-    pub(super) fn plus(&self, other: &Moments) -> Moments {
-        Moments {
-            columns: &self.columns + &other.columns,
-            target: &self.target + &other.target,
-        }
-    }
-
-    pub(super) fn minus(&self, other: &Moments) -> Moments {
-        Moments {
-            columns: &self.columns - &other.columns,
-            target: &self.target - &other.target,
-        }
-    }
-
-    /// Sum of squares of each column.
-    pub(super) fn squares(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..self.target.len()).map(|i| self.columns[(i, i)].max(0.0))
-    }
-
-    /// Sum of squares of the target that the columns explain, of which nothing is known beforehand.
-    pub(super) fn explained(&self) -> f64 {
-        let coefficients = self.solve(&vec![Prior::default(); self.target.len()]);
-        let parts = coefficients.iter().zip(self.target.iter());
-        parts.map(|(b, product)| b * product).sum()
-    }
-
-    pub(super) fn solve(&self, priors: &[Prior]) -> Vec<f64> {
-        let scale: Vec<f64> = (self.squares().zip(priors))
-            .map(|(s, p)| 1.0 / s.sqrt().hypot(p.precision).max(f64::MIN_POSITIVE.sqrt()))
-            .collect();
-        let k = scale.len();
-        let mut normal = DMatrix::from_fn(k, k, |i, j| self.columns[(i, j)] * scale[i] * scale[j]);
-        for i in 0..k {
-            normal[(i, i)] += (priors[i].precision * scale[i]).powi(2) + 1e-9;
-        }
-        let right = DVector::from_fn(k, |i, _| {
-            scale[i] * (self.target[i] - priors[i].precision.powi(2) * priors[i].offset)
-        });
-        match normal.cholesky() {
-            Some(factor) => {
-                let solution = factor.solve(&right);
-                (0..k).map(|i| solution[i] * scale[i]).collect()
-            }
-            None => vec![0.0; k],
-        }
-    }
 }
 
 #[cfg(test)]

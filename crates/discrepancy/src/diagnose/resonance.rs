@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::features::Group;
-use super::noise::explained;
+use super::moments::explained;
 use super::problem::Problem;
 use crate::model::Columns;
 

@@ -5,7 +5,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::derivatives::difference;
 use super::fit::Fit;
-use super::noise::{LinearFit, Noise, Prior, add_column, dot, fit_linear, solve};
+use super::moments::solve;
+use super::noise::{LinearFit, Noise, Prior, add_column, dot, fit_linear};
 use super::problem::{Found, Problem};
 use super::signature::{Signature, with};
 use crate::model::Columns;

@@ -11,7 +11,8 @@ use super::Target;
 use super::onset::{Step, Sums};
 use crate::diagnose::answer::target_name;
 use crate::diagnose::features::{Group, Onset};
-use crate::diagnose::noise::{ChannelNoise, dot, explained};
+use crate::diagnose::moments::explained;
+use crate::diagnose::noise::{ChannelNoise, dot};
 use crate::diagnose::signature::Signature;
 use crate::model::Columns;
 

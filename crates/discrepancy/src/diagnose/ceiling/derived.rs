@@ -9,7 +9,8 @@ use super::Target;
 use super::waves::refined;
 use crate::diagnose::data::LAGS;
 use crate::diagnose::features::Group;
-use crate::diagnose::noise::{ChannelNoise, dot, explained};
+use crate::diagnose::moments::explained;
+use crate::diagnose::noise::{ChannelNoise, dot};
 
 impl Target<'_> {
     /// The groups seen through the dynamics of the residual itself, as its autoregression has them:

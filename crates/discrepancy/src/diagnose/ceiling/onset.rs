@@ -1,7 +1,7 @@
 //! When something sets in.
 
 use crate::diagnose::data::Fine;
-use crate::diagnose::noise::Moments;
+use crate::diagnose::moments::Moments;
 
 /// A step, through the filter that the data have gone through.
 pub(super) struct Step {
