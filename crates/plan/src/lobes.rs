@@ -135,7 +135,7 @@ impl SpeedColumn {
             let limit = narrowed(&at, stable_m, unstable, NARROWED, 0.0);
             let crossing = Crossing {
                 depth_m: limit.depth_m,
-                frequency_hz: limit.multiplier.chatter_hz(modes, period_s),
+                frequency_hz: at.chatter_hz(limit.depth_m),
             };
             (crossing, limit.error_m)
         });

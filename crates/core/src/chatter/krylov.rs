@@ -20,8 +20,43 @@ const ORIGINS: [f64; 4] = [0.0, 0.37, -0.61, 1.3];
 /// (power iteration to begin with, then Arnoldi's method without restart).
 pub(crate) fn dominant_eigenvalue(
     length: usize,
-    mut apply: impl FnMut(&[f64], &mut [f64]),
+    apply: impl FnMut(&[f64], &mut [f64]),
 ) -> Complex<f64> {
+    arnoldi(length, apply).map_or(Complex::new(0.0, 0.0), |found| found.eigenvalue)
+}
+
+/// [`dominant_eigenvalue`] and its eigenvector.
+pub(crate) fn dominant_eigenpair(
+    length: usize,
+    apply: impl FnMut(&[f64], &mut [f64]),
+) -> (Complex<f64>, Vec<Complex<f64>>) {
+    let mut vector = vec![Complex::new(0.0, 0.0); length];
+    let Some(found) = arnoldi(length, apply) else {
+        return (Complex::new(0.0, 0.0), vector);
+    };
+    let parts = inverse_iteration(&found.square, found.eigenvalue);
+    for (part, own) in parts
+        .iter()
+        .flat_map(|parts| parts.iter())
+        .zip(&found.basis)
+    {
+        for (sum, x) in vector.iter_mut().zip(own) {
+            *sum += part * *x;
+        }
+    }
+    (found.eigenvalue, vector)
+}
+
+/// A subspace that holds the dominant eigenvector.
+struct Subspace {
+    eigenvalue: Complex<f64>,
+    /// The map on the subspace.
+    square: DMatrix<f64>,
+    basis: Vec<Vec<f64>>,
+}
+
+/// `None` where the map leads to nothing.
+fn arnoldi(length: usize, mut apply: impl FnMut(&[f64], &mut [f64])) -> Option<Subspace> {
     let vectors = MAX_VECTORS.min(length);
     let mut hessenberg = DMatrix::<f64>::zeros(vectors + 1, vectors);
     let mut image = vec![0.0; length];
@@ -30,7 +65,7 @@ pub(crate) fn dominant_eigenvalue(
         apply(&first, &mut image);
         let size = norm(&image);
         if size == 0.0 {
-            return Complex::new(0.0, 0.0);
+            return None;
         }
         for (to, from) in first.iter_mut().zip(&image) {
             *to = from / size;
@@ -54,15 +89,19 @@ pub(crate) fn dominant_eigenvalue(
         let exhausted = m == vectors || left <= 1e-14 * before || before == 0.0;
         if exhausted || m == next_check {
             let square = hessenberg.view((0, 0), (m, m)).into_owned();
-            let found = largest(&square);
-            if exhausted || residual(&square, found, left) <= TOLERANCE * found.norm() {
-                return found;
+            let eigenvalue = largest(&square);
+            if exhausted || residual(&square, eigenvalue, left) <= TOLERANCE * eigenvalue.norm() {
+                return Some(Subspace {
+                    eigenvalue,
+                    square,
+                    basis,
+                });
             }
             next_check = (m + 2 + m / 4).min(vectors);
         }
         basis.push(image.iter().map(|x| x / left).collect());
     }
-    Complex::new(0.0, 0.0)
+    None
 }
 
 /// A start vector with a part in every direction: a fixed low-discrepancy sequence.
@@ -90,8 +129,19 @@ fn largest(square: &DMatrix<f64>) -> Complex<f64> {
     found.unwrap_or(Complex::new(f64::NAN, f64::NAN))
 }
 
-/// ‖M v − θ v‖ of the Ritz vector, from one step of inverse iteration on the small matrix.
+/// ‖M v − θ v‖ of the Ritz vector.
 fn residual(square: &DMatrix<f64>, eigenvalue: Complex<f64>, coupling: f64) -> f64 {
+    let last = square.nrows() - 1;
+    inverse_iteration(square, eigenvalue)
+        .map_or(0.0, |vector| coupling * vector[last].norm() / vector.norm())
+}
+
+/// An eigenvector of the small matrix, from one step of inverse iteration; `None` where the
+/// eigenvalue is met exactly.
+fn inverse_iteration(
+    square: &DMatrix<f64>,
+    eigenvalue: Complex<f64>,
+) -> Option<DVector<Complex<f64>>> {
     let m = square.nrows();
     let shift = eigenvalue * (1.0 + 1e-10);
     let shifted = DMatrix::from_fn(m, m, |r, c| {
@@ -99,10 +149,7 @@ fn residual(square: &DMatrix<f64>, eigenvalue: Complex<f64>, coupling: f64) -> f
         Complex::new(square[(r, c)], 0.0) - on_diagonal
     });
     let ones = DVector::from_element(m, Complex::new(1.0, 0.0));
-    match shifted.lu().solve(&ones) {
-        Some(vector) => coupling * vector[m - 1].norm() / vector.norm(),
-        None => 0.0,
-    }
+    shifted.lu().solve(&ones)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -3,8 +3,6 @@
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
-use super::TipMode;
-
 /// The dominant Floquet multiplier over a tooth period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Multiplier {
@@ -32,8 +30,8 @@ impl Multiplier {
     }
 
     /// All frequencies of such a vibration up to `highest_rad_s`, rising: the base frequency, and
-    /// it and its mirror image about every multiple of the tooth-passing frequency. The one near a
-    /// natural frequency dominates.
+    /// it and its mirror image about every multiple of the tooth-passing frequency. Which of them
+    /// is the strongest is asked of [`super::spectral_elements::AtSpeed::chatter_hz`].
     pub fn frequencies_rad_s(&self, tooth_period_s: f64, highest_rad_s: f64) -> Vec<f64> {
         let base = self.base_frequency_rad_s(tooth_period_s);
         let passing = TAU / tooth_period_s;
@@ -45,21 +43,5 @@ impl Multiplier {
         found.sort_by(f64::total_cmp);
         found.dedup();
         found
-    }
-
-    /// Of the frequencies of such a vibration the one that the tool answers most, Hz.
-    pub fn chatter_hz(&self, modes: &[TipMode], tooth_period_s: f64) -> f64 {
-        let natural = modes.iter().map(|m| m.natural_frequency_rad_s);
-        let highest = natural.fold(0.0, f64::max) * 1.5;
-        let answer = |omega: f64| -> f64 {
-            let of_mode =
-                |m: &TipMode| m.shape_per_sqrt_kg.norm_squared() * m.receptance_s2(omega).norm();
-            modes.iter().map(of_mode).sum()
-        };
-        let frequencies = self.frequencies_rad_s(tooth_period_s, highest);
-        let strongest = frequencies
-            .into_iter()
-            .max_by(|a, b| answer(*a).total_cmp(&answer(*b)));
-        strongest.unwrap_or(0.0) / TAU
     }
 }

@@ -34,9 +34,11 @@ use std::f64::consts::TAU;
 
 mod element;
 mod response;
+mod spectrum;
 
 use element::Element;
 use response::{ModalResponse, Nodes};
+use spectrum::Moment;
 
 /// Most modes that are taken.
 pub const MOST_MODES: usize = 24;
@@ -161,8 +163,17 @@ impl SpectralElements {
         let pitch = TAU / self.process.teeth as f64;
         let worn = self.outputs.rates.nrows() > 0;
         let mut elements = Vec::new();
+        let mut moments = Vec::new();
         for [from, to] in self.segments() {
-            elements.extend(self.kick(from, tooth_period_s));
+            let time_s = |angle: f64| tooth_period_s * angle / pitch;
+            if let Some((kick, force)) = self.kick(from, tooth_period_s) {
+                elements.push(kick);
+                moments.push(Moment {
+                    time_s: time_s(from),
+                    weight: 1.0,
+                    force,
+                });
+            }
             let length_s = tooth_period_s * (to - from) / pitch;
             let teeth = self.cutting_teeth(0.5 * (from + to));
             if teeth.is_empty() {
@@ -173,18 +184,25 @@ impl SpectralElements {
             let count = (resolution.elements_per_cycle * cycles).ceil().max(1.0);
             let response = ModalResponse::new(&self.modes, &nodes, length_s / count, worn);
             let step = (to - from) / count;
-            elements.extend((0..count as usize).map(|i| {
+            for i in 0..count as usize {
                 let angle = |part: f64| from + step * (i as f64 + part);
                 let forces: Vec<NodeForces> = (nodes.at.iter())
                     .map(|part| self.forces_at(angle(*part), &teeth, tooth_period_s))
                     .collect();
-                Element::cutting(&response, &self.outputs, &forces)
-            }));
+                elements.push(Element::cutting(&response, &self.outputs, &forces));
+                let parts = nodes.at.iter().zip(&nodes.weights).zip(forces);
+                moments.extend(parts.map(|((part, weight), forces)| Moment {
+                    time_s: time_s(angle(*part)),
+                    weight: weight * length_s / count,
+                    force: forces.remembered,
+                }));
+            }
         }
         AtSpeed {
             of: self,
             tooth_period_s,
             elements,
+            moments,
         }
     }
 
@@ -218,8 +236,8 @@ impl SpectralElements {
     }
 
     /// What edge forces do at once where a tooth enters or leaves with a chip that rises from
-    /// nothing, while tooth 0 stands at an angle (up to whole pitches).
-    fn kick(&self, angle_rad: f64, tooth_period_s: f64) -> Option<Element> {
+    /// nothing, while tooth 0 stands at an angle (up to whole pitches); and its modal impulse.
+    fn kick(&self, angle_rad: f64, tooth_period_s: f64) -> Option<(Element, DMatrix<f64>)> {
         let pitch = TAU / self.process.teeth as f64;
         let engagement = &self.process.engagement;
         let here = |end: &f64| {
@@ -232,12 +250,13 @@ impl SpectralElements {
         if pa == Matrix3::zeros() {
             return None;
         }
-        let mut impulse = self.modal(&(pa / spindle_rad_s(self.process.teeth, tooth_period_s)));
+        let modal = self.modal(&(pa / spindle_rad_s(self.process.teeth, tooth_period_s)));
+        let mut impulse = modal.clone();
         for (j, mut row) in impulse.row_iter_mut().enumerate() {
             row /= self.modes[j].natural_frequency_rad_s;
         }
         let remembered = self.outputs.positions.rows(0, impulse.ncols());
-        Some(Element::kick(impulse, remembered.into_owned()))
+        Some((Element::kick(impulse, remembered.into_owned()), modal))
     }
 
     /// By modes and remembered outputs.
@@ -284,6 +303,8 @@ pub struct AtSpeed<'a> {
     of: &'a SpectralElements,
     tooth_period_s: f64,
     elements: Vec<Element>,
+    /// Where forces act, in the order of what is remembered.
+    moments: Vec<Moment>,
 }
 
 impl AtSpeed<'_> {

@@ -53,7 +53,7 @@ fn up(cut: &Scenario, more: &[(&str, &str)]) -> Scenario {
 fn verify_line_and_growth_beside_a_harmonic() {
     for (immersion, rpm) in [(0.3, 7e3), (0.5, 9.3e3), (0.3, 14e3)] {
         let (elements, period_s, limit) = theory(immersion, rpm);
-        let theory_hz = limit.multiplier.chatter_hz(&[mode()], period_s);
+        let theory_hz = elements.at(period_s).chatter_hz(limit.depth_m);
         for share in [0.95, 1.03] {
             let depth_m = share * limit.depth_m;
             let steps = (STEPS_PER_CYCLE * 922.0 * period_s).ceil();

@@ -11,6 +11,8 @@ const MORE_NODES: usize = 4;
 /// Gauss–Legendre nodes of an element, as parts of its length.
 pub(super) struct Nodes {
     pub at: Vec<f64>,
+    /// Of the quadrature at these.
+    pub weights: Vec<f64>,
     /// Nodes and weights of the integration over the element.
     rule: Vec<(f64, f64)>,
     /// Values of the Lagrange polynomials at the rule's nodes between the element's start and a
@@ -21,7 +23,7 @@ pub(super) struct Nodes {
 impl Nodes {
     pub fn new(count: usize) -> Self {
         let unit = |(x, weight): (f64, f64)| (0.5 * (1.0 - x), 0.5 * weight);
-        let at: Vec<f64> = legendre(count).into_iter().map(|n| unit(n).0).collect();
+        let (at, weights): (Vec<f64>, Vec<f64>) = legendre(count).into_iter().map(unit).unzip();
         let rule: Vec<(f64, f64)> = (legendre(count + MORE_NODES).into_iter())
             .map(unit)
             .collect();
@@ -34,6 +36,7 @@ impl Nodes {
         Self {
             polynomials: polynomials.collect(),
             at,
+            weights,
             rule,
         }
     }

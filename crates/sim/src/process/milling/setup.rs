@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vect
 use std::f64::consts::{PI, TAU};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::averaged::{Crossing, mode_coupling_limit, zero_order_limit};
-use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};
+use truecut_core::chatter::limit::{LimitSearch, first_limit};
 use truecut_core::chatter::spectral_elements::{MOST_MODES, SpectralElements};
 use truecut_core::chatter::{DirectionalMatrix, TipMode, in_axes};
 use truecut_core::cutting::milling::cut::MillingParameters;
@@ -248,21 +248,17 @@ impl TheoryInputs {
         let regenerative = zero_order_limit(modes, average, tooth_period_s);
         let depth = |c: Option<Crossing>| c.map_or(f64::INFINITY, |c| c.depth_m);
         let hz = |c: Option<Crossing>| c.map_or(f64::NAN, |c| c.frequency_hz);
-        let limit = regenerative
-            .filter(|_| modes.len() <= MOST_MODES)
-            .and_then(|zero_order| {
-                let search = LimitSearch::to_depth(2.0 * zero_order.depth_m);
-                first_limit(
-                    &SpectralElements::new(modes, &matrix),
-                    tooth_period_s,
-                    &search,
-                )
-            });
-        let of_limit = |value: &dyn Fn(FirstLimit) -> f64| limit.map_or(f64::NAN, value);
+        let elements = (modes.len() <= MOST_MODES).then(|| SpectralElements::new(modes, &matrix));
+        let limit = regenerative.zip(elements.as_ref());
+        let limit = limit.and_then(|(zero_order, elements)| {
+            let search = LimitSearch::to_depth(2.0 * zero_order.depth_m);
+            let limit = first_limit(elements, tooth_period_s, &search)?;
+            Some((limit, elements.at(tooth_period_s).chatter_hz(limit.depth_m)))
+        });
         MillingTheory {
-            stability_depth_m: limit.map_or(f64::INFINITY, |limit| limit.depth_m),
-            stability_hz: of_limit(&|limit| limit.multiplier.chatter_hz(modes, tooth_period_s)),
-            stability_error_m: of_limit(&|limit| limit.error_m),
+            stability_depth_m: limit.map_or(f64::INFINITY, |(limit, _)| limit.depth_m),
+            stability_hz: limit.map_or(f64::NAN, |(_, hz)| hz),
+            stability_error_m: limit.map_or(f64::NAN, |(limit, _)| limit.error_m),
             coupling_depth_m: depth(coupling),
             coupling_hz: hz(coupling),
             regenerative_depth_m: depth(regenerative),
