@@ -1,7 +1,7 @@
 //! At which of its frequencies a vibration is strongest.
 //!
-//! A multiplier μ leaves open by how many turns of a tooth period the vibration is ahead: the motion
-//! is `e^(λt) p(t)` with λ = ln μ / T and p of the teeth's period, and has all the frequencies
+//! A multiplier μ leaves open by how many turns in a tooth period the vibration is ahead: motion is
+//! `e^(λt) p(t)` with λ = ln μ / T and p of the teeth's period, and has all the frequencies
 //! `(arg μ + 2πk) / T`. Two of them may stand at either side of a natural frequency, equally far
 //! from it, of which the mode alone cannot say which is the strong one. The force can: it follows
 //! from the positions at the nodes, is nothing between the elements with teeth in the cut, and its
