@@ -45,10 +45,13 @@ fn best_pairs(
         .collect();
     let worth = |&(i, j): &(usize, usize)| {
         let both = together.objective(&[i, j]);
+        // Most are no better than the best of all alone, without a threshold.
+        if both >= best {
+            return None;
+        }
         let dof = ranking[i].start.len().min(ranking[j].start.len());
         let bar = critical(problem.options.family_wise_error, tests * tests, dof);
-        // As good as none of them alone, nor any other.
-        (both + bar < single[i].min(single[j]).min(best)).then_some((both, i, j))
+        (both + bar < best).then_some((both, i, j))
     };
     let mut good: Vec<(f64, usize, usize)> = indices.par_iter().filter_map(worth).collect();
     good.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -99,7 +102,7 @@ impl Together {
         let beside = |x: &Columns| projected(&noise.whiten(x, train), &known, &priors);
         let target = beside(&base.residual);
         let columns: Vec<Vec<Vec<f64>>> = (ranking.par_iter())
-            .map(|one| may_be(one, problem).map(beside).collect())
+            .map(|one| may_be(one, problem).into_iter().map(beside).collect())
             .collect();
         let mut own = Vec::new();
         let mut all = Vec::new();
@@ -168,16 +171,15 @@ fn is_nothing(ranked: &Ranked, problem: &Problem, size: usize) -> bool {
 /// Changes by the sizes of a candidate that may be there: friction that drives in one direction
 /// would explain an offset with dry friction as well as both do. All of them where it came out as
 /// nothing alone.
-fn may_be<'a>(ranked: &'a Ranked, problem: &Problem) -> impl Iterator<Item = &'a Columns> {
+fn may_be<'a>(ranked: &'a Ranked, problem: &Problem) -> Vec<&'a Columns> {
     let signature = &ranked.signature;
     let is_there = |size: &usize| !is_nothing(ranked, problem, *size);
     let is_idle = !signature.sizes.iter().any(is_there);
     let sizes = signature.sizes.iter().zip(&signature.columns);
-    let kept: Vec<&Columns> = sizes
+    sizes
         .filter(|(size, _)| is_idle || is_there(size))
         .map(|(_, column)| column)
-        .collect();
-    kept.into_iter()
+        .collect()
 }
 
 /// Alone it may have come out as nothing, so in a pair it starts from the size of its signature.
