@@ -134,8 +134,8 @@ def run_pytest(python: Path) -> Counts:
     """All Python tests."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
-        # MuJoCo runs on one core: files of tests run side by side
-        side_by_side = ["-n", "auto", "--dist", "loadfile"]
+        # MuJoCo runs on one core: tests run side by side, and a worker with nothing left takes some of the other's
+        side_by_side = ["-n", "auto", "--dist", "worksteal"]
         # what a test wrote is of use only if it failed, and takes gigabytes
         kept = ["-o", "tmp_path_retention_policy=failed", "-o", "tmp_path_retention_count=1"]
         # which tests take longest is seen where time runs short

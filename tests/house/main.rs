@@ -296,6 +296,36 @@ fn comments_are_no_wider_than_the_page() {
     assert_eq!(wide, [""; 0]);
 }
 
+/// Where a crate's tests make one program, a file that its `main.rs` does not name is not compiled:
+/// its tests would never run, and nothing would say so.
+#[test]
+fn every_file_of_tests_is_compiled() {
+    let mut judged = 0;
+    let mut left_out = Vec::new();
+    for (name, manifest) in manifests() {
+        let discovered = |package: &toml::Value| package.get("autotests")?.as_bool();
+        if manifest.get("package").and_then(discovered) != Some(false) {
+            continue;
+        }
+        let crates = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates");
+        let folder = Path::new(crates).join(&name).join("tests");
+        let main = std::fs::read_to_string(folder.join("main.rs")).expect("its main.rs");
+        for entry in std::fs::read_dir(&folder).expect("tests") {
+            let path = entry.expect("entry").path();
+            let rust = path.extension().is_some_and(|ending| ending == "rs");
+            let module = path.file_stem().expect("a name").to_string_lossy();
+            if (rust || path.join("mod.rs").exists()) && module != "main" {
+                judged += 1;
+                if !main.contains(&format!("\nmod {module};\n")) {
+                    left_out.push(format!("crates/{name}/tests/{module}"));
+                }
+            }
+        }
+    }
+    assert!(judged > 50, "{judged} files of tests");
+    assert_eq!(left_out, [""; 0]);
+}
+
 /// A method with a body of its own that a wrapper does not pass on is another model's answer.
 #[test]
 fn a_model_that_keeps_predictions_passes_everything_on() {

@@ -75,6 +75,55 @@ fn a_spoke_becomes_a_job_that_leads_along_the_same_path() {
     assert!(told(&without).contains("SPOKE.JBI:"), "{}", told(&without));
 }
 
+/// Of a joint whose speed limit nobody gives, nothing is said of how fast it is.
+#[test]
+fn a_joint_without_a_speed_limit_is_not_called_slow_enough() {
+    let read_back = |limited: usize| {
+        let desk = Desk::new();
+        let known = std::fs::read_to_string(hp20()).unwrap();
+        // Zero is what exporters write where nothing is known.
+        let mut parts = known.split(" velocity=\"");
+        let mut urdf = parts.next().unwrap().to_owned();
+        for (joint, part) in parts.enumerate() {
+            let (value, rest) = part.split_once('"').unwrap();
+            let value = if joint < limited { value } else { "0" };
+            urdf += &format!(" velocity=\"{value}\"{rest}");
+        }
+        std::fs::write(desk.path("robot.urdf"), urdf).unwrap();
+        let known = repository().join("assets/robots/hp20/robot.toml");
+        std::fs::copy(known, desk.path("robot.toml")).unwrap();
+        let shipped = (
+            "urdf = \"".to_owned() + &hp20(),
+            format!("urdf = \"{}", desk.path("robot.urdf").display()),
+        );
+        let file = job(&desk, "spoke", &[(&shipped.0, &shipped.1)]);
+        let planned = told(&desk.truecut(&["path", &file]));
+        let robot = desk.path("robot.urdf").display().to_string();
+        let shown = desk.truecut(&[
+            "program",
+            "out/spoke/SPOKE.JBI",
+            "--robot",
+            &robot,
+            "--pulses-per-deg",
+            "1000",
+        ]);
+        assert!(shown.status.success(), "{}", told(&shown));
+        (planned, told(&shown))
+    };
+    let (planned, shown) = read_back(0);
+    assert!(!planned.contains("joint speed "), "{planned}");
+    assert!(
+        shown.contains("speeds not judged since no joint has a speed limit"),
+        "{shown}"
+    );
+    let (planned, shown) = read_back(2);
+    assert!(planned.contains("joint speed "), "{planned}");
+    assert!(
+        shown.contains("none of the 2 joints with a speed limit too fast (4 without one)"),
+        "{shown}"
+    );
+}
+
 /// A position moved by 0.02 mm is found, with its path point.
 #[test]
 fn a_job_that_leaves_its_path_does_not_hold() {

@@ -1,11 +1,9 @@
 //! Bad robot files: one fault each, one error each, with place, value and rule.
 
-mod urdf_faults;
-
 use std::path::{Path, PathBuf};
 
+use crate::urdf_faults::URDF_FAULTS;
 use truecut_arm::{ArmError, ArmErrorKind, Robot};
-use urdf_faults::URDF_FAULTS;
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/invalid_input/urdf")

@@ -9,12 +9,10 @@
 //! by continuity. Inertia is the reference model's, not the asset's 0.82 of it; ζ = 0.02 in every
 //! mode; no gravity.
 
-mod milling_arm;
-
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 
-use milling_arm::robot;
+use crate::milling_arm::robot;
 use nalgebra::{Isometry3, Matrix2, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use truecut_arm::{FrameId, IkOptions, Load, Robot, planar_principal, translational};
 use truecut_core::chatter::averaged::{

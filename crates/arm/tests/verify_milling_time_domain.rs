@@ -6,11 +6,9 @@
 //! surface with semi-discretisation: stable at 0.9 of the limit and unstable at 1.1 of it. The two
 //! limits differ by a factor of five to twenty.
 
-mod milling_arm;
-
 use std::f64::consts::TAU;
 
-use milling_arm::robot;
+use crate::milling_arm::robot;
 use nalgebra::{DVector, Vector3};
 use truecut_arm::{BranchOptions, Elbow, FrameId, Shoulder, tool_pose};
 use truecut_core::chatter::averaged::mode_coupling_limit;

@@ -1,12 +1,12 @@
 //! A planar oscillator with one friction contact, against closed forms for oscillators under
 //! rotating forces and dry friction.
 
-mod vibration_tables;
-
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix2, Vector2};
 use truecut_core::friction::{Approach, FrictionLaw, solve_planar};
+
+use crate::vibration_tables;
 
 /// Radius of the circle on which an undamped isotropic oscillator runs under a rotating force `M`
 /// against Coulomb friction `μN`: `√(M² - (μN)²) / |k - mω²|`, and zero once `μN ≥ M`

@@ -1,14 +1,14 @@
 //! Paths from CAM: what is read.
 
-mod assets;
-mod cam_run;
-
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use nalgebra::{Isometry3, Vector3};
 use truecut_plan::cam::{self, Attitude, CamOptions, CamPath};
 use truecut_plan::program::{Program, ProgramError, Settings, Start, Zone, dialect_named};
+
+use crate::assets;
+use crate::cam_run;
 
 fn read(text: &str, name: &str) -> Result<CamPath, ProgramError> {
     cam::read(text, Path::new(name), &CamOptions::default())

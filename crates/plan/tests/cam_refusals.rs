@@ -1,14 +1,14 @@
 //! Paths from CAM that are refused: with their line, their value and the rule.
 
-mod assets;
-mod cam_run;
-
 use std::path::{Path, PathBuf};
 
 use nalgebra::Isometry3;
 use proptest::prelude::*;
 use truecut_plan::cam::{self, CamOptions, CamPath};
 use truecut_plan::program::{MOST_POINTS, ProgramError, Start};
+
+use crate::assets;
+use crate::cam_run;
 
 fn read(text: &str, name: &str) -> Result<CamPath, ProgramError> {
     cam::read(text, Path::new(name), &CamOptions::default())

@@ -1,12 +1,8 @@
 //! Stiffness at the tool, its sections, and the maps over joints 2 and 3.
 
-#[path = "../../arm/tests/milling_arm/mod.rs"]
-mod milling_arm;
-mod support;
-
-use milling_arm::robot;
+use crate::milling_arm::robot;
+use crate::support::slot;
 use nalgebra::{Matrix3, Vector3};
-use support::slot;
 use truecut_arm::FrameId;
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::chatter::averaged::mode_coupling_limit;

@@ -1,13 +1,9 @@
 //! The planner on the published path: 0.3 m from P1 = (1.050, −1.450, 0.870) m to P2 = (1.350,
 //! −1.450, 0.870) m, tool down, slot in 45 steel with four teeth, 0.3 mm deep.
 
-#[path = "../../arm/tests/milling_arm/mod.rs"]
-mod milling_arm;
-mod support;
-
-use milling_arm::robot;
+use crate::milling_arm::robot;
+use crate::support::slot;
 use nalgebra::{Isometry3, Vector3};
-use support::slot;
 use truecut_arm::{BranchOptions, Elbow, FrameId, Robot, Shoulder};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;

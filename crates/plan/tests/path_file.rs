@@ -1,7 +1,5 @@
 //! An arm led along a file: what is filtered, where corners are rounded, what a robot program says.
 
-mod assets;
-
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
@@ -15,6 +13,8 @@ use truecut_plan::program::{
     Motion, Options, PathPoint, Program, ProgramError, Settings, Start, Tool, TravelOptions,
     dialect_named,
 };
+
+use crate::assets;
 
 const INTERVAL_S: f64 = 1e-3;
 const LONGEST_S: f64 = 1e4;

@@ -1,8 +1,5 @@
 //! Where a path from CAM begins: branch and whole turns of its first posture.
 
-mod assets;
-mod cam_run;
-
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -12,6 +9,9 @@ use truecut_arm::{BranchOptions, Elbow, FrameId, PathOptions, Robot, Shoulder};
 use truecut_plan::SingularityLimits;
 use truecut_plan::cam::{Attitude, CamPath, CamPoint};
 use truecut_plan::program::{FindingKind, Program, ProgramError, ReplayOptions, Start};
+
+use crate::assets;
+use crate::cam_run;
 
 /// The arms of the tree, and one with the ranges of a published GP25: of six joints three may turn
 /// by more than a whole turn, and middles lie off zero.

@@ -1,7 +1,5 @@
 //! A wheel in precession over the sample raster, moved by an HP20.
 
-mod assets;
-
 use nalgebra::{Isometry3, Vector2, Vector3};
 use truecut_arm::{ArmBranch, BranchOptions, Elbow, FrameId, Robot, Shoulder, Wrist, tool_pose};
 use truecut_core::wheel::precession::{Boundary, ChordExtent, EdgeRule, PrecessionWheel};
@@ -10,6 +8,8 @@ use truecut_plan::precession::{
     ArmOnFace, ArmPlan, PrecessionLimits, PrecessionOptions, PrecessionPlan, PrecessionPlanError,
     PrecessionPoint, PrecessionTask,
 };
+
+use crate::assets;
 
 const EXACT: EdgeRule = EdgeRule::Exact(ChordExtent::Clipped);
 

@@ -1,8 +1,6 @@
 //! What the files look like, how long programs are split, and what is refused.
 
-mod assets;
-
-use assets::robot;
+use crate::assets::robot;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};

@@ -1,7 +1,5 @@
 //! Programs run through between their points, and the parts that they are made of.
 
-mod assets;
-
 use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -12,6 +10,8 @@ use truecut_plan::program::{
 use truecut_plan::surface_path::{
     Segment, Speeds, SurfacePathError, Symmetry, TaughtPoints, parts_of, program_of,
 };
+
+use crate::assets;
 
 fn pose(x: f64, y: f64, z: f64) -> Isometry3<f64> {
     let down = UnitQuaternion::from_euler_angles(PI, 0.0, 0.0);

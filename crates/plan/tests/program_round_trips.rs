@@ -6,9 +6,7 @@
 //! about an axis at right angles to it. The parts of a quaternion are off by 0.5e-9 each, the
 //! vector of four by 1e-9, the attitude by twice that. The inverse kinematics leave 1e-9 m and rad.
 
-mod assets;
-
-use assets::robot;
+use crate::assets::robot;
 use std::f64::consts::PI;
 use std::path::Path;
 

@@ -1,7 +1,5 @@
 //! Branches by shortest travel, and what is reported of a path that the arm cannot follow.
 
-mod assets;
-
 use std::f64::consts::PI;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -11,6 +9,8 @@ use truecut_plan::program::{
     FindingKind, Motion, PathPoint, Program, ProgramError, ProgramErrorKind, Tool, TravelOptions,
     shortest_travel,
 };
+
+use crate::assets;
 
 fn robot() -> Robot {
     assets::robot("irb6600_175_255")

@@ -1,11 +1,9 @@
 //! Paths that cannot be followed: where, and why.
 
-mod support;
-
 use std::path::Path;
 
+use crate::support::slot;
 use nalgebra::Vector3;
-use support::slot;
 use truecut_arm::{Elbow, FrameId, Robot, Shoulder};
 use truecut_core::chatter::DirectionalMatrix;
 use truecut_core::cutting::milling::engagement::Engagement;

@@ -1,11 +1,6 @@
 //! Arms of seven joints along paths: continuous across stops, from block to block, in programs and
 //! as they are led; within limits from the start.
 
-#[path = "../../arm/tests/seven_axes/mod.rs"]
-mod seven_axes;
-
-mod cam_run;
-
 use std::path::Path;
 
 use nalgebra::Isometry3;
@@ -15,7 +10,8 @@ use truecut_plan::motion::led::LedTask;
 use truecut_plan::motion::straight::{PathStart, StraightPath, TurnKnot};
 use truecut_plan::program::{Program, ReplayOptions, Start};
 
-use seven_axes::{CORNERS_M, SEEDS, distance, drawn, least_singular_value, off};
+use crate::cam_run;
+use crate::seven_axes::{CORNERS_M, SEEDS, distance, drawn, least_singular_value, off};
 
 const FEED_M_PER_S: f64 = 0.02;
 const INTERVAL_S: f64 = 5e-3;

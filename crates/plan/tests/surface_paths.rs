@@ -1,8 +1,6 @@
 //! Paths on surfaces, followed by the HP20: planned and taught segments, symmetry, what cannot be
 //! followed.
 
-mod assets;
-
 use std::path::Path;
 
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};
@@ -13,6 +11,8 @@ use truecut_plan::surface_path::{
     AxisRule, ContactWheel, FeedAlong, PathOptions, Segment, Strategy, SurfacePath, TaughtPoints,
     copies, plan_path, solve,
 };
+
+use crate::assets;
 
 const WHEEL: ContactWheel = ContactWheel {
     radius_m: 0.04,

@@ -1,12 +1,12 @@
 //! Postures written as the columns of a path's table are read back as taught points.
 
-mod assets;
-
 use std::path::Path;
 
 use proptest::prelude::*;
 use truecut_arm::JointKind;
 use truecut_plan::surface_path::{TaughtPoints, joint_cells};
+
+use crate::assets;
 
 /// Half of the last digit, in rad and m, with what the arithmetic rounds. At a limit it may be a
 /// whole digit.

@@ -1,9 +1,7 @@
 //! Effects on joints, against closed forms.
 
-mod support;
-
+use crate::support::{ARM_POSTURE, column, load, peaks, period, run, wheel};
 use std::f64::consts::{PI, TAU};
-use support::{ARM_POSTURE, column, load, peaks, period, run, wheel};
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 

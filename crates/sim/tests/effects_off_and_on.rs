@@ -1,10 +1,8 @@
 //! Every kind of effect: at its neutral size it is the nominal run to the last bit, at another size
 //! it shows.
 
-mod support;
-
+use crate::support::{self, ARM_POSTURE, belt, brush, chamfer, load, polish, run, wheel};
 use std::path::Path;
-use support::{ARM_POSTURE, belt, brush, chamfer, load, polish, run, wheel};
 use truecut_recording::Recording;
 use truecut_scenario::Scenario;
 use truecut_scenario::effect::{Effect, EffectKind, Family, Model, Target, TargetKind};

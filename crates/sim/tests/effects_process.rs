@@ -1,9 +1,7 @@
 //! Effects on edge, foot, wheel and sensors, against their equations.
 
-mod support;
-
+use crate::support::{chamfer, column, load, mean, polish, run, run_with, wheel};
 use std::f64::consts::TAU;
-use support::{chamfer, column, load, mean, polish, run, run_with, wheel};
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_recording::Recording;
 use truecut_scenario::effect::{Effect, EffectKind, Target};

@@ -1,11 +1,9 @@
 //! Effects on the build of the robot, against closed forms.
 
-mod support;
-
+use crate::support::{ARM_POSTURE, column, load, peaks, period, run};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
 use std::path::Path;
-use support::{ARM_POSTURE, column, load, peaks, period, run};
 use truecut_arm::Robot;
 use truecut_recording::Recording;
 use truecut_scenario::effect::{Effect, EffectKind, Target};

@@ -1,9 +1,7 @@
 //! Damping ratios of modes in a run, against the decay of each mode in closed form.
 
-mod support;
-
+use crate::support::{ARM_POSTURE, column, finished, load};
 use nalgebra::Vector3;
-use support::{ARM_POSTURE, column, finished, load};
 use truecut_arm::{FrameId, Robot};
 use truecut_recording::Recording;
 use truecut_scenario::Scenario;

@@ -1,9 +1,7 @@
 //! A run that keeps rows alone: it does less, and its rows are those of the recording to the last
 //! bit.
 
-mod support;
-
-use support::{chamfer, polish, run, wheel};
+use crate::support::{chamfer, polish, run, wheel};
 use truecut_sim::run::{Engine, Run};
 
 #[test]

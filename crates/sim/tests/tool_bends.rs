@@ -1,11 +1,9 @@
 //! Tools and workpieces that bend in processes which know nothing of it: `[[tool.mode]]`,
 //! `[[workpiece.mode]]`.
 
-mod support;
-
+use crate::support::{self, ARM_POSTURE, column, finished, load, scenario};
 use nalgebra::{Complex, DMatrix, DVector, Matrix2, Matrix4, Vector3};
 use std::f64::consts::TAU;
-use support::{ARM_POSTURE, column, finished, load, scenario};
 use truecut_arm::{FrameId, Load, Robot};
 use truecut_core::chatter::AttachedMode;
 use truecut_recording::Recording;

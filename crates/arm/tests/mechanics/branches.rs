@@ -9,7 +9,7 @@ use truecut_arm::{
     Shoulder, tool_pose,
 };
 
-use crate::ortho_parallel::{HP20, IRB6600, OFFSET, apart, spread};
+use super::ortho_parallel::{HP20, IRB6600, OFFSET, apart, spread};
 
 /// Distance of poses: metres and radians together.
 fn off(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {

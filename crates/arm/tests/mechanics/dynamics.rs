@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix6xX, Vector3};
 use proptest::prelude::*;
 use truecut_arm::{Dynamics, Energy, FrameId, Robot};
 
-use crate::random_chain::{Case, case};
+use super::random_chain::{Case, case};
 
 const GRAVITY: Vector3<f64> = Vector3::new(1.3, -2.1, -9.4);
 const FRAMES: [FrameId; 3] = [FrameId::Flange, FrameId::Tool, FrameId::Foot];

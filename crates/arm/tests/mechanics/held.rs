@@ -9,7 +9,7 @@ use truecut_arm::{
     Transmission, standard_gravity_m_s2,
 };
 
-use crate::random_chain::{axis, case, pose};
+use super::random_chain::{axis, case, pose};
 
 fn turning(robot: &Robot) -> Vec<usize> {
     let joints = robot.chain.joints.iter().enumerate();

@@ -7,8 +7,8 @@ use nalgebra::{Complex, DMatrix};
 use proptest::prelude::*;
 use truecut_arm::{FrameId, Load, Robot, translational};
 
-use crate::random_chain::case;
-use crate::response::{response, sum_over_modes};
+use super::random_chain::case;
+use super::response::{response, sum_over_modes};
 
 fn asset(name: &str) -> Robot {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots");

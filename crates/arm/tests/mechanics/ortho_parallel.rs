@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use truecut_arm::{Joint, JointKind, Link, Robot, Transmission};
 
-use crate::random_chain::{assemble, body};
+use super::random_chain::{assemble, body};
 
 /// a1, a2, b, c1, c2, c3, c4 (m), signs; θ3 = sign q3 + 90°.
 #[derive(Clone, Copy)]

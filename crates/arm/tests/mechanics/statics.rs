@@ -9,7 +9,7 @@ use truecut_arm::{
     standard_gravity_m_s2,
 };
 
-use crate::random_chain::{axis, case, vector};
+use super::random_chain::{axis, case, vector};
 
 const POSTURE_DEG: [f64; 6] = [-48.38, 54.82, 6.86, 54.16, 107.43, -21.95];
 

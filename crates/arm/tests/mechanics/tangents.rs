@@ -5,7 +5,7 @@ use nalgebra::{DVector, Vector3, Vector6};
 use proptest::prelude::*;
 use truecut_arm::{FrameId, Load};
 
-use crate::random_chain::{case, vector};
+use super::random_chain::{case, vector};
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.4, 1.1, -9.7);
 const STEP: f64 = 1e-6;

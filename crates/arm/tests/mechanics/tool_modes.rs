@@ -7,7 +7,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use truecut_arm::{FrameId, LinearArm, Load, Robot};
 use truecut_core::chatter::{AttachedMode, AttachedModes};
 
-use crate::response::{response, sum_over_modes};
+use super::response::{response, sum_over_modes};
 
 const POSTURE: [f64; 6] = [-0.8444, 0.9568, 0.1197, 0.9453, 1.8750, -0.3831];
 

@@ -6,7 +6,7 @@ mod read;
 use std::path::Path;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use truecut_arm::Robot;
+use truecut_arm::{Joint, Robot};
 use truecut_plan::clearance::Station;
 use truecut_plan::program::{MOST_PLACES, Motion, Program, Replay, ReplayOptions, ZoneReport};
 use truecut_recording::{Unit, significant};
@@ -155,10 +155,10 @@ fn printed(run: &RunThrough<'_>, zones: &ZoneReport) -> String {
     rows.extend(run.clearance.map(|own| own.row(run.point_name)));
     text.push_str(&table(&[Align::Left, Align::Right, Align::Left], &rows));
     if replay.findings.is_empty() {
-        text.push_str(
-            "  ✓ within limits, clear of singularities, no joint too fast, also between \
-                       path points\n",
-        );
+        text.push_str(&format!(
+            "  ✓ within limits, clear of singularities, {}, also between path points\n",
+            of_speeds(run.robot)
+        ));
     }
     for finding in replay.findings.iter().take(LISTED) {
         text.push_str(&format!("  ✗ {finding}\n"));
@@ -175,6 +175,20 @@ fn printed(run: &RunThrough<'_>, zones: &ZoneReport) -> String {
         text.push_str(&format!("  note: {}\n", harmless_text(note)));
     }
     text
+}
+
+/// What a run-through without findings says of speeds: nothing of joints without a limit.
+fn of_speeds(robot: &Robot) -> String {
+    let joints = &robot.chain.joints;
+    let has_limit = |joint: &&Joint| joint.limits.is_some_and(|l| l.velocity.is_finite());
+    match joints.iter().filter(has_limit).count() {
+        0 => "speeds not judged since no joint has a speed limit".to_owned(),
+        judged if judged < joints.len() => format!(
+            "none of the {judged} joints with a speed limit too fast ({} without one)",
+            joints.len() - judged
+        ),
+        _ => "no joint too fast".to_owned(),
+    }
 }
 
 /// Rows on stops and zones.

@@ -26,7 +26,8 @@ impl JointSpeed {
     }
 }
 
-/// Speeds at which joints go from posture to posture in `time_s`, those without limits left out.
+/// Speeds at which joints go from posture to posture in `time_s`, those without a speed limit left
+/// out.
 pub fn joint_speeds<'a>(
     robot: &'a Robot,
     from: &'a [f64],
@@ -40,6 +41,7 @@ pub fn joint_speeds<'a>(
             speed: (b - a).abs() / time_s,
             limit: one.limits?.velocity,
         })
+        .filter(|one| one.limit.is_finite())
     })
 }
 

@@ -1,6 +1,6 @@
 //! Scenarios and runs of the belt tests.
 
-use crate::shared::{below, belt, run_with};
+use super::shared::{below, belt, run_with};
 use truecut_core::wheel::belt::BeltWheel;
 use truecut_recording::Recording;
 

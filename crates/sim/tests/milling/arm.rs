@@ -7,7 +7,7 @@
 //! the theories leave out, is then a tenth of mode coupling's at the limit, and the posture changes
 //! little while the tool travels.
 
-use crate::support::{grows, scenario};
+use super::support::{grows, scenario};
 use nalgebra::Vector3;
 use truecut_arm::{BranchOptions, Elbow, FrameId, Robot, Shoulder, tool_pose};
 use truecut_core::chatter::averaged::mode_coupling_limit;

@@ -1,7 +1,7 @@
 //! Chatter as a run tells it: its line, its growth, and the end where paths of teeth loop.
 
-use crate::limits::benchmark;
-use crate::support::{RIG, run, run_reduced, scalar, scenario};
+use super::limits::benchmark;
+use super::support::{RIG, run, run_reduced, scalar, scenario};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::limit::{FirstLimit, LimitSearch, first_limit};

@@ -5,7 +5,7 @@ use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};
 use truecut_sim::run::{Engine, Run};
 
-use crate::support::{RIG, scenario};
+use super::support::{RIG, scenario};
 
 /// Steps of runs that are held against each other, ms.
 const STEPS_MS: [f64; 6] = [0.2, 0.1, 0.05, 0.025, 0.0125, 0.00625];

@@ -3,7 +3,7 @@
 //! Chips are measured between true arcs, the closed form's are linear in the feed: they differ by
 //! about c/2r, here 0.1 %.
 
-use crate::support::{RIG, run, scalar, scenario};
+use super::support::{RIG, run, scalar, scenario};
 
 fn check(what: &str, overrides: &[(&str, String)]) {
     let end = run(&scenario(RIG, overrides));

@@ -1,6 +1,6 @@
 //! Depth limits in the time domain against stability theory.
 
-use crate::support::{RIG, grows, scenario};
+use super::support::{RIG, grows, scenario};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};

@@ -1,7 +1,7 @@
 //! The linearised arm mills like the one in rapier.
 
-use crate::arm::slot;
-use crate::support::{run, run_reduced, scalar};
+use super::arm::slot;
+use super::support::{run, run_reduced, scalar};
 use truecut_scenario::Scenario;
 
 /// Largest difference of the two plants in a scalar, as a part of its size in rapier.

@@ -1,6 +1,6 @@
 //! An end mill along a file at the speeds that the file gives.
 
-use crate::support::{run, scenario};
+use super::support::{run, scenario};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, Uniform};

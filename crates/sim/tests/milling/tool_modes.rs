@@ -1,6 +1,6 @@
 //! Modes of tool and workpiece: limits of one alone, runs about them, and both engines.
 
-use crate::support::{RIG, run, run_reduced, scalar, scenario};
+use super::support::{RIG, run, run_reduced, scalar, scenario};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use truecut_core::chatter::limit::{LimitSearch, first_limit};

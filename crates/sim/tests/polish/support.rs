@@ -1,6 +1,6 @@
 //! Scenarios and runs of the polishing tests.
 
-use crate::shared::{SOFT_WHEEL, below, run_with, scenario};
+use super::shared::{SOFT_WHEEL, below, run_with, scenario};
 use truecut_core::wheel::pneumatic::PneumaticWheel;
 use truecut_recording::Recording;
 

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use truecut_arm::Robot;
 use truecut_recording::{Outcome, Recording};
 
-use crate::drawn::draw_falling;
-use crate::{run, seeds};
+use super::drawn::draw_falling;
+use super::{run, seeds};
 
 /// With each test run.
 const CHAINS: u64 = 60;

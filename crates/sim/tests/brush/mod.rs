@@ -3,8 +3,7 @@
 
 #[path = "../support/halved.rs"]
 mod halved;
-#[path = "../support/mod.rs"]
-mod shared;
+use crate::support as shared;
 
 use shared::{below, brush, column, run, run_with, scalar};
 use std::f64::consts::{PI, TAU};

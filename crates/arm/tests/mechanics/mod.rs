@@ -9,8 +9,6 @@ mod modal;
 mod ortho_parallel;
 mod random_chain;
 mod response;
-#[path = "../seven_axes/mod.rs"]
-mod seven_axes;
 mod spare_joints;
 mod statics;
 mod tangents;

@@ -3,7 +3,7 @@
 //!
 //! A part of them with each test run; as many as are asked for, with the table of
 //! `docs/numerics.md`, by `TRUECUT_RANDOM_ROBOTS=10000 cargo test --release --workspace --test
-//! random_robots -- --nocapture`.
+//! integration random_robots -- --nocapture`.
 
 mod drawn;
 mod falling;

@@ -4,6 +4,6 @@
 mod edges;
 mod grains;
 mod inside;
-#[path = "../support/mod.rs"]
-mod shared;
 mod support;
+
+use crate::support as shared;

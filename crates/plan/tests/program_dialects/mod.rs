@@ -1,8 +1,7 @@
 //! Files as people write them in the five dialects; what of them is refused; what controllers ask
 //! of those that are written.
 
-#[path = "../assets/mod.rs"]
-mod assets;
+use crate::assets;
 mod controllers;
 mod documented;
 mod misread;

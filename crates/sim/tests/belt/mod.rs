@@ -7,6 +7,6 @@ mod effects;
 mod engines;
 mod path_file;
 mod plane;
-#[path = "../support/mod.rs"]
-mod shared;
 mod support;
+
+use crate::support as shared;
