@@ -88,6 +88,55 @@ fn refused(desk: &Desk, arguments: &[&str]) -> String {
     text
 }
 
+/// The columns of two displacements of an arm, each mapped to the other's channel.
+#[test]
+fn compare_names_columns_that_are_exchanged() {
+    let desk = Desk::new();
+    let shipped = super::path::repository().join("scenarios/arm/free_decay.toml");
+    let shipped = std::fs::read_to_string(shipped).unwrap();
+    let text = shipped.split("[[claim]]").next().unwrap();
+    let assets = super::path::repository().join("assets");
+    let text = text.replace("../../assets", assets.to_str().unwrap());
+    let text = text.replace("duration_s = 4.0", "duration_s = 1\nrecord_interval_ms = 2");
+    std::fs::write(desk.path("source.toml"), &text).unwrap();
+    desk.ends(0, &["run", "source.toml"]);
+    let recording = read_parquet(&desk.path("out/source/recording.parquet")).unwrap();
+    let [x, y] = ["x", "y"].map(|axis| {
+        recording
+            .channel(&format!("tool.displacement_{axis}"))
+            .unwrap()
+    });
+    let rows = recording.time_s.iter().zip(x.iter().zip(y)).enumerate();
+    let rows = rows.map(|(row, (t, (x, y)))| {
+        format!("{t},{},{}\n", x + noise_m(row), y + noise_m(row + 9000))
+    });
+    let csv: String = std::iter::once("t,first,second\n".to_owned())
+        .chain(rows)
+        .collect();
+    std::fs::write(desk.path("measured.csv"), csv).unwrap();
+    let mapped = |[first, second]: [&str; 2]| {
+        let channel = |column: &str, axis: &str| {
+            format!(
+                "[[data.channel]]\ncolumn = \"{column}\"\nchannel = \"tool.displacement_{axis}\"\nunit = \"m\"\n"
+            )
+        };
+        let data = "[data]\nfile = \"measured.csv\"\ntime = \"t\"\nresample_hz = 500\n".to_owned();
+        let text = text.clone() + &data + &channel("first", first) + &channel("second", second);
+        std::fs::write(desk.path("mapped.toml"), text).unwrap();
+    };
+    mapped(["x", "y"]);
+    desk.ends(0, &["compare", "mapped.toml"]);
+    mapped(["y", "x"]);
+    let told = refused(&desk, &["compare", "mapped.toml"]);
+    for part in [
+        "mapped.toml:",
+        "\"tool.displacement_x\"",
+        "look whether their columns are exchanged",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+}
+
 #[test]
 fn compare_refuses_what_cannot_be_compared() {
     // Millimetres said to be metres: the factor is named, at the line that is wrong.

@@ -1,11 +1,11 @@
 //! Units: SI inside, what an engineer writes outside.
 
+mod words;
+
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use crate::names::nearest;
 
 /// The unit of a channel, scalar or axis. Values are always SI; `Display` gives the symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -157,29 +157,6 @@ const SYMBOLS: &[(&str, Unit, f64)] = &[
     ("mA", Unit::Ampere, 1e-3),
 ];
 
-/// What other programs write for a unit whose symbol is spelt otherwise than theirs, and less so
-/// than that of another: "Grad" is nearer to "rad" than to "deg".
-const WORDS: [(&str, &str); 10] = [
-    ("grad", "deg"),
-    ("degree", "deg"),
-    ("degrees", "deg"),
-    ("grad/s", "deg/s"),
-    ("°/s", "deg/s"),
-    ("°/s^2", "deg/s^2"),
-    ("sec", "s"),
-    ("sek", "s"),
-    ("1/min", "rpm"),
-    ("u/min", "rpm"),
-];
-
-/// The symbol that was meant by a text that is none: by its word, else by its spelling.
-fn meant(text: &str) -> Option<&'static str> {
-    let lower = text.to_lowercase();
-    let word = WORDS.iter().find(|(word, _)| *word == lower);
-    word.map(|(_, symbol)| *symbol)
-        .or_else(|| nearest(text, SYMBOLS.iter().map(|entry| entry.0)))
-}
-
 impl Unit {
     /// The SI symbol: `"m"`, `"N m"`, `"1"`.
     pub fn symbol(self) -> &'static str {
@@ -197,7 +174,7 @@ impl Unit {
     pub fn parse_user(text: &str) -> Result<(Unit, f64), UnitError> {
         Unit::known(text).ok_or_else(|| UnitError {
             text: text.to_owned(),
-            nearest: meant(text.trim()).map(str::to_owned),
+            nearest: words::meant(text.trim()).map(str::to_owned),
         })
     }
 
@@ -207,6 +184,12 @@ impl Unit {
         let wanted = text.trim();
         let found = SYMBOLS.iter().find(|entry| entry.0 == wanted);
         found.map(|&(_, unit, factor)| (unit, factor))
+    }
+
+    /// The symbol of a unit as files of other programs write it, if that can mean nothing else:
+    /// `"m/s²"` gives `"m/s^2"`, `"1/min"` gives `"rpm"`.
+    pub fn symbol_in_files(text: &str) -> Option<&'static str> {
+        words::in_files(text)
     }
 
     /// Every symbol that [`Unit::parse_user`] accepts for this unit, its own first.

@@ -109,6 +109,13 @@ impl FitTable {
             let is = "holds \"links\" and \"payload\", but a payload is a part of the last link";
             check.wrong("fit", "unknowns", is, "one or the other");
         }
+        let unknowns = self.unknowns.iter().enumerate();
+        let twice = unknowns.filter(|(i, one)| self.unknowns[..*i].contains(one));
+        for (_, unknown) in twice {
+            let name = format!("{unknown:?}").to_lowercase();
+            let is = format!("holds \"{name}\" twice");
+            check.wrong("fit", "unknowns", is, "each once");
+        }
         let coupled_motors = (self
             .coupled_motor
             .unwrap_or_default()

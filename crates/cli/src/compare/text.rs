@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use truecut_discrepancy::compare::{
-    Alignment, ChannelComparison, Comparison, Dependence, Event, Kind, LEVEL, Level, LineKind,
-    SpectralLine,
+    Alignment, ChannelComparison, Comparison, Dependence, Estimate, Event, Kind, LEVEL, Level,
+    LineKind, SpectralLine,
 };
 use truecut_recording::{Unit, short_number, significant};
 
@@ -81,7 +81,7 @@ fn table(comparison: &Comparison) -> String {
             channel.channel.clone(),
             format!("{} %", significant(100.0 * level.nrmse, 3)),
             show(channel.unit, level.rms_error),
-            with_error(channel.unit, level.bias.value, level.bias.standard_error),
+            mean(channel.unit, level),
             of(Unit::Second, |a| {
                 (a.delay_s.value, a.delay_s.standard_error)
             }),
@@ -166,6 +166,20 @@ fn findings(channel: &ChannelComparison) -> Vec<String> {
     }
     found.extend(channel.alignment.as_ref().and_then(alignment));
     found
+}
+
+/// The mean of the residual. An error that is larger than any residual tells nothing but that too
+/// few samples are independent.
+fn mean(unit: Unit, level: &Level) -> String {
+    let Estimate {
+        value,
+        standard_error,
+        ..
+    } = level.bias;
+    match standard_error > level.largest_error {
+        true => format!("{}, ± unknown", show(unit, value)),
+        false => with_error(unit, value, standard_error),
+    }
 }
 
 fn event(found: &Event) -> String {

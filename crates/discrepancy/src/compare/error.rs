@@ -2,7 +2,7 @@
 
 use truecut_recording::{UnknownName, significant};
 
-use super::suspicion::UnitSuspicion;
+use super::suspicion::{Exchange, UnitSuspicion};
 
 /// Data that cannot be compared.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -74,6 +74,9 @@ pub enum CompareError {
         /// The factor that would fit.
         suspicion: UnitSuspicion,
     },
+    /// Channels that fit each other's simulation.
+    #[error("{0}")]
+    Exchanged(Exchange),
 }
 
 impl CompareError {
@@ -81,6 +84,9 @@ impl CompareError {
     pub fn channel(&self) -> Option<&str> {
         match self {
             CompareError::NoOutput | CompareError::NoCommonTime { .. } => None,
+            CompareError::Exchanged(exchange) => {
+                exchange.moved.first().map(|one| one.channel.as_str())
+            }
             CompareError::Unknown { channel, .. }
             | CompareError::Dimension { channel, .. }
             | CompareError::TooFew { channel, .. }

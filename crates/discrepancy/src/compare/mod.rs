@@ -62,7 +62,7 @@ pub use lines::{LineKind, Spectra, SpectralLine, lines};
 pub use recordings::{Comparison, along, compare_recordings};
 pub use series::{Estimate, Explanatory, Kind, Pair};
 pub use stretch::{Stretch, stretch};
-pub use suspicion::{UnitSuspicion, unit_suspicion};
+pub use suspicion::{Exchange, Moved, UnitSuspicion, exchange, unit_suspicion};
 pub use whiteness::{Whiteness, whiteness};
 
 use serde::Serialize;
@@ -136,7 +136,11 @@ pub fn compare_channel(
     pair: &Pair<'_>,
     setting: &Setting<'_>,
 ) -> Result<ChannelComparison, CompareError> {
-    check(pair)?;
+    check_values(pair)?;
+    if let Some(suspicion) = unit_suspicion(pair) {
+        let channel = pair.spec.name.clone();
+        return Err(CompareError::Unit { channel, suspicion });
+    }
     let residual = pair.residual();
     let background = Background::of(&residual, pair.valid);
     let (lines, spectra) = lines(
@@ -182,7 +186,7 @@ fn event(residual: &[f64], valid: &[bool], setting: &Setting<'_>) -> Option<Even
     })
 }
 
-fn check(pair: &Pair<'_>) -> Result<(), CompareError> {
+fn check_values(pair: &Pair<'_>) -> Result<(), CompareError> {
     let channel = pair.spec.name.clone();
     let samples = pair.valid.iter().filter(|valid| **valid).count();
     if samples < MIN_SAMPLES {
@@ -204,10 +208,7 @@ fn check(pair: &Pair<'_>) -> Result<(), CompareError> {
         let value = format!("{} {}", significant(first, 4), pair.spec.unit);
         return Err(CompareError::Constant { channel, value });
     }
-    match unit_suspicion(pair) {
-        Some(suspicion) => Err(CompareError::Unit { channel, suspicion }),
-        None => Ok(()),
-    }
+    Ok(())
 }
 
 /// No quantity of a machine moves by less, SI; and next to the largest of its unit, such a part of

@@ -5,7 +5,8 @@ use truecut_recording::spectrum::resample;
 use truecut_recording::{ChannelSpec, Measured, Recording, Unit};
 
 use super::series::{Explanatory, Kind, Pair};
-use super::{ChannelComparison, CompareError, Setting, compare_channel};
+use super::suspicion::exchange;
+use super::{ChannelComparison, CompareError, Setting, check_values, compare_channel};
 
 /// Differences between a simulation and a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -79,21 +80,31 @@ pub fn compare_recordings(
         explanatory: &explanatory,
         spindle_hz,
     };
-    let mut channels = Vec::new();
+    let mut series = Vec::new();
     for output in measured.outputs() {
         let column = column_of(simulated, &output.spec)?;
         let valid: Vec<bool> = (output.valid[..rows].iter().zip(&runs))
             .map(|(valid, runs)| *valid && *runs)
             .collect();
-        let pair = Pair {
+        series.push((output, valid, along(simulated, measured, column, rows)));
+    }
+    let pairs: Vec<Pair<'_>> = (series.iter())
+        .map(|(output, valid, simulated)| Pair {
             spec: &output.spec,
             measured: &output.values[..rows],
-            valid: &valid,
-            simulated: &along(simulated, measured, column, rows),
+            valid,
+            simulated,
             noise: output.noise,
-        };
-        channels.push(compare_channel(&pair, &setting)?);
+        })
+        .collect();
+    for pair in &pairs {
+        check_values(pair)?;
     }
+    if let Some(found) = exchange(&pairs) {
+        return Err(CompareError::Exchanged(found));
+    }
+    let compared = pairs.iter().map(|pair| compare_channel(pair, &setting));
+    let channels = compared.collect::<Result<Vec<_>, _>>()?;
     Ok(Comparison {
         source: measured.source.clone(),
         duration_s: time_s[rows - 1],

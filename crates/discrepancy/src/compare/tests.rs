@@ -7,6 +7,7 @@ use truecut_recording::ChannelSpec;
 
 mod bias;
 mod delays;
+mod exchanged;
 mod whole;
 
 const SAMPLES: usize = 4000;

@@ -11,8 +11,9 @@ use std::path::Path;
 use truecut_core::wheel::brush::Brush;
 use truecut_core::wheel::edge_wear::EdgeWear;
 use truecut_plan::surface::{Mesh, MeshUse};
-use truecut_recording::Recording;
+use truecut_recording::{Outcome, Recording};
 use truecut_scenario::effect::{Effect, EffectKind, Target};
+use truecut_sim::run::Run;
 
 const BRUSH: Brush = Brush {
     radius_m: 30e-3,
@@ -205,6 +206,33 @@ fn verify_removal_goes_with_its_factor_until_the_burr_is_gone() {
     let volume = |recording: &Recording| scalar(recording, "brush.removed_volume");
     assert!(volume(&nominal) > 0.0);
     assert!((volume(&more) / volume(&nominal) - 1.25).abs() < 1e-9);
+}
+
+/// Shorter bristles, pressed in as deep: in their law up to where a tip lies along the face, beyond
+/// it the run says so.
+#[test]
+fn a_brush_that_is_pressed_beyond_its_bristles_law_leaves_the_model() {
+    let nominal = run(&brush("over_face.csv", &[]), &[]);
+    let pressed_mm = 12.0 * scalar(&nominal, "brush.largest_shortening");
+    let lying = BRUSH.bristle().lying_m() / BRUSH.free_length_m;
+    for share in [0.9, 1.1] {
+        let free_length_mm = pressed_mm / (share * lying);
+        let key = "process.brush.free_length_mm".to_owned();
+        let scenario = brush("over_face.csv", &[(key, format!("{free_length_mm:?}"))]);
+        let finished = Run::of(&scenario).execute().expect("a run");
+        match finished.recording.outcome {
+            Outcome::Completed => assert!(share < 1.0, "{share}"),
+            Outcome::BeyondModel { value, limit, .. } => {
+                assert!(share > 1.0, "{share}");
+                assert!((limit / (1e-3 * free_length_mm * lying) - 1.0).abs() < 1e-12);
+                assert!(
+                    (value / limit / share - 1.0).abs() < 0.05,
+                    "{value} {limit}"
+                );
+            }
+            other => panic!("{other:?}"),
+        }
+    }
 }
 
 /// Half the step changes the mean radius by less than a thousandth, a quarter by less than a

@@ -9,7 +9,7 @@ use parquet::basic::{Compression, GzipLevel, ZstdLevel};
 use parquet::file::properties::WriterProperties;
 use std::sync::Arc;
 
-fn csv(text: &str, header: bool) -> Result<Table, FileError> {
+fn csv(text: impl AsRef<[u8]>, header: bool) -> Result<Table, FileError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bench.csv");
     std::fs::write(&path, text).unwrap();
@@ -176,6 +176,27 @@ fn a_preamble_and_a_row_of_units_are_no_part_of_the_table() {
 }
 
 #[test]
+fn a_text_in_utf_16_is_the_same_table() {
+    let text = "Prüfstand\n\nt;Kraft [µm]\n0,0;1,5\n0,1;1,6\n0,2;1,7\n";
+    let plain = csv(text, true).unwrap();
+    for big in [false, true] {
+        let units = std::iter::once(0xfeff).chain(text.encode_utf16());
+        let bytes: Vec<u8> = units
+            .flat_map(|unit: u16| match big {
+                true => unit.to_be_bytes(),
+                false => unit.to_le_bytes(),
+            })
+            .collect();
+        let read = csv(&bytes, true).unwrap();
+        assert_eq!(read.columns, plain.columns);
+        assert_eq!(read.units, plain.units);
+        assert!(read.notes.iter().any(|note| note.contains("UTF-16")));
+        let cut = csv(&bytes[..bytes.len() - 1], true).unwrap_err();
+        assert!(cut.to_string().contains("damaged"), "{cut}");
+    }
+}
+
+#[test]
 fn an_unknown_unit_in_a_row_of_units_is_named() {
     for (text, line, column, word, meant) in [
         (
@@ -189,9 +210,9 @@ fn an_unknown_unit_in_a_row_of_units_is_named() {
         (
             "Messung;Labor\n\nt;a;b\ns;U/min;Grad\n0,0;1,5;2,5\n",
             4,
-            "a",
-            "U/min",
-            "rpm",
+            "b",
+            "Grad",
+            "deg",
         ),
     ] {
         let told = csv(text, true).unwrap_err().to_string();
@@ -205,6 +226,10 @@ fn an_unknown_unit_in_a_row_of_units_is_named() {
         let table = csv(&format!("{head}s;F\n0,0;1,5\n1,0;2\n"), true).unwrap();
         assert_eq!(table.column("F").unwrap(), [1.5, 2.0], "{head}");
     }
+    // What other programs write, and can mean nothing else by.
+    let table = csv("t;n;a;M [N·m]\ns;1/min;m/s²;\n0,0;1,5;2,5;3\n", true).unwrap();
+    let units = ["n", "a"].map(|name| table.units[name].as_str());
+    assert_eq!(units, ["rpm", "m/s^2"]);
     // In brackets a unit is said, whether it is known or not.
     let table = csv("t,q\n[s],[Inc]\n0,1\n", true).unwrap();
     assert_eq!(table.units["q"], "Inc");

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use arrow::compute::kernels::cast_utils::string_to_timestamp_nanos;
-use encoding_rs::WINDOWS_1252;
+use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
 use truecut_files::{CellRow, Cells, is_comment};
 use truecut_recording::measured::{Column, Table};
 use truecut_recording::{Unit, UnitError, UserUnit};
@@ -166,17 +166,25 @@ fn parts_no_thousands(cell: &str) -> bool {
     digits != 3 || whole.starts_with('0') || !(1..=3).contains(&whole.len())
 }
 
-/// The text, with a note where it had to be guessed how it is encoded: what is not UTF-8 is taken
-/// for Windows-1252, of which Latin-1 is a part.
+/// The text, with a note where it is not UTF-8: what begins with the mark of UTF-16 is that, other
+/// bytes are taken for Windows-1252, of which Latin-1 is a part.
 fn decoded(bytes: Vec<u8>) -> Result<(String, Vec<String>), Reason> {
-    let other = match bytes[..] {
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16"),
-        _ => bytes.contains(&0).then_some("not a text"),
+    let wide = match bytes[..] {
+        [0xff, 0xfe, ..] => Some(UTF_16LE),
+        [0xfe, 0xff, ..] => Some(UTF_16BE),
+        _ => None,
     };
-    if let Some(other) = other {
-        return Err(Reason::NotATable(format!(
-            "it is {other}; save it as UTF-8"
-        )));
+    if let Some(wide) = wide {
+        let (text, is_damaged) = wide.decode_with_bom_removal(&bytes);
+        let note = "it is UTF-16 and was read as such".to_owned();
+        return match is_damaged {
+            true => Err(Reason::NotATable("it is UTF-16, but damaged".into())),
+            false => Ok((text.into_owned(), vec![note])),
+        };
+    }
+    if bytes.contains(&0) {
+        let told = "it is not a text; save it as UTF-8";
+        return Err(Reason::NotATable(told.into()));
     }
     Ok(match String::from_utf8(bytes) {
         Ok(text) => (text, Vec::new()),
@@ -267,7 +275,8 @@ fn blanked(text: &str, lines: usize) -> String {
 /// Whether a row below the names is one of units: none is a number but for the unit "1", and one is
 /// a unit that is known or stands in brackets. Of the others some may be unknown.
 fn are_units(cells: &[String]) -> bool {
-    let is_unit = |cell: &String| unbracketed(cell).is_some() || Unit::known(cell).is_some();
+    let is_unit =
+        |cell: &String| unbracketed(cell).is_some() || Unit::symbol_in_files(cell).is_some();
     let is_number = |cell: &String| !has_no_unit(cell) && number(cell, true).is_some();
     cells.iter().all(|cell| is_unit(cell) || !is_number(cell))
         && cells.iter().any(|cell| is_unit(cell) && !is_number(cell))
@@ -282,7 +291,8 @@ fn has_no_unit(cell: &str) -> bool {
 /// says that it is a unit, though one that is of no use here.
 fn unknown_unit(cells: &[String]) -> Option<(usize, UnitError)> {
     let unknown = |(at, cell): (usize, &String)| {
-        if has_no_unit(cell) || unbracketed(cell).is_some() {
+        let is_known = Unit::symbol_in_files(cell).is_some();
+        if is_known || has_no_unit(cell) || unbracketed(cell).is_some() {
             return None;
         }
         Some((at, UserUnit::parse(cell).err()?))
@@ -301,11 +311,15 @@ fn units_of(
     names: &[String],
     row: Option<Vec<String>>,
 ) -> std::collections::BTreeMap<String, String> {
-    let of_row = |cell: &String| unbracketed(cell).unwrap_or(cell).trim().to_owned();
+    let of_row = |cell: &String| {
+        let written = unbracketed(cell).unwrap_or(cell).trim();
+        Unit::symbol_in_files(written).unwrap_or(written).to_owned()
+    };
     let of_name = |name: &String| {
         let from = name.rfind(['[', '('])?;
         let unit = unbracketed(&name[from..])?.trim();
-        (from > 0 && Unit::known(unit).is_some()).then(|| unit.to_owned())
+        let symbol = Unit::symbol_in_files(unit).filter(|_| from > 0);
+        symbol.map(str::to_owned)
     };
     let units = names.iter().enumerate().filter_map(|(index, name)| {
         let unit = match &row {

@@ -108,10 +108,23 @@ pub(super) fn findings(setup: &BrushSetup, dose_j_per_m2: &[f64], watch: &Watch)
     Findings {
         scalars: quantity::scalars(quantities),
         profiles: profiles.collect(),
-        beyond: too_round(setup, dose_j_per_m2, watch),
+        beyond: too_deep(setup, watch).or_else(|| too_round(setup, dose_j_per_m2, watch)),
         idle: never_touches(watch),
         ..Findings::default()
     }
+}
+
+/// A bristle whose tip lies along the face is not held at its end, as the law of its force has it.
+fn too_deep(setup: &BrushSetup, watch: &Watch) -> Option<Outcome> {
+    let (value, limit) = (watch.shortening_m, setup.brush.bristle().lying_m());
+    (value > limit).then(|| Outcome::BeyondModel {
+        quantity: "the largest shortening of a bristle (m)".to_owned(),
+        value,
+        limit,
+        rule:
+            "its tip lies along the face and no law of its force is known; lead the brush less deep"
+                .to_owned(),
+    })
 }
 
 /// The edges stay where they were: what is taken off is not taken off under the brush. That
