@@ -3,6 +3,8 @@
 cross-checks against MuJoCo, the fast part of the hidden-effects bench, the random bench's own parts, logs of robots,
 reports as pages, the Python package, the commands that the documents show.
 
+Of cases that are drawn alike from many seeds the first few run; all with `TRUECUT_WHOLE=1`, as in `.ci/full`.
+
 Makes `.venv` with the packages of `tests/requirements.txt`, pinned by their hashes, on the first call. Tests that are
 skipped are named with their reason. The last line sums up both parts as `N passed, N failed, N skipped`; the exit code
 is 0 only if nothing failed.

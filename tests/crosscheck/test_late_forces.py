@@ -8,8 +8,9 @@ import json
 import numpy as np
 import pytest
 from truecut_reference.drawn_arm import RATE_HZ, Arm
+from truecut_reference.sampled import some
 
-SEEDS = range(43_000, 43_004)
+SEEDS = some(range(43_000, 43_004), 2)
 
 
 class Late(Arm):

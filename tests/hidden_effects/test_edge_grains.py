@@ -18,6 +18,7 @@ from bench import ROOT, drawn_wheels  # noqa: E402
 from bench.effects import Effect  # noqa: E402
 from bench.experiment import POLISH_EDGE  # noqa: E402
 from bench.noise import in_band, rms, unit_noise  # noqa: E402
+from truecut_reference.sampled import some  # noqa: E402
 
 PROGRAM = Path(os.environ.get("TRUECUT_BIN", ROOT / "target" / "release" / "truecut"))
 RATE_HZ, BAND_HZ = POLISH_EDGE.rate_hz, POLISH_EDGE.band_hz
@@ -106,7 +107,7 @@ def kinds(answer: dict) -> set[str]:
     return {cause["kind"] for cause in answer["causes"] + others}
 
 
-@pytest.mark.parametrize("colour", COLOURS)
+@pytest.mark.parametrize("colour", some(COLOURS, 1))
 def test_one_line_leaves_grains_and_friction_alike(colour, tmp_path):
     """Of a wheel that runs true the answer says so, instead of naming one of them."""
     answer = Lines(tmp_path, two=False).diagnosed(colour, 91_001)
@@ -114,7 +115,7 @@ def test_one_line_leaves_grains_and_friction_alike(colour, tmp_path):
     assert {"wheel_edge_grains", "wheel_friction"} <= kinds(answer)
 
 
-@pytest.mark.parametrize("colour", COLOURS)
+@pytest.mark.parametrize("colour", some(COLOURS, 1))
 def test_a_second_line_away_from_the_edge_tells_grains(colour, tmp_path):
     """In the middle of the face friction would show as well, and grains do not."""
     answer = Lines(tmp_path, two=True).diagnosed(colour, 91_002)
