@@ -9,7 +9,7 @@ use parquet::basic::{Compression, GzipLevel, ZstdLevel};
 use parquet::file::properties::WriterProperties;
 use std::sync::Arc;
 
-fn csv(text: impl AsRef<[u8]>, header: bool) -> Result<Table, FileError> {
+fn csv(text: &(impl AsRef<[u8]> + ?Sized), header: bool) -> Result<Table, FileError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("bench.csv");
     std::fs::write(&path, text).unwrap();
