@@ -14,8 +14,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bench.effects import Effect  # noqa: E402
 from bench.noise import unit_noise  # noqa: E402
 from test_delays import DURATION_S, RATE_HZ, Drawn, named  # noqa: E402
+from truecut_reference.sampled import some  # noqa: E402
 
-SEEDS = range(63_000, 63_004)
+SEEDS = some(range(63_000, 63_004), 2)
 # of an encoder on the link, and of a torque sensor over what it measures
 ANGLE_NOISE_RAD, NOISE = 2e-5, 0.01
 
