@@ -261,3 +261,33 @@ fn chance(p: f64) -> String {
         format!("p = {}", significant(p, 2))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_no_residual_reaches_is_unknown() {
+        let told = |standard_error: f64| {
+            let bias = Estimate {
+                value: -5.0,
+                standard_error,
+                degrees_of_freedom: 1.0,
+                p_value: 0.9,
+            };
+            let level = Level {
+                samples: 4000,
+                effective_samples: 1.0,
+                rms_error: 30.0,
+                nrmse: 0.3,
+                relative_rms_error: 0.6,
+                bias,
+                largest_error: 47.0,
+                error_over_noise: None,
+            };
+            mean(Unit::NewtonMetre, &level)
+        };
+        assert!(told(1123.0).ends_with("± unknown"), "{}", told(1123.0));
+        assert!(told(12.0).contains("± 12"), "{}", told(12.0));
+    }
+}
