@@ -85,6 +85,16 @@ const NUMBER_RULES: &[NumberRule] = &[
     rule(BOUNDS, &["lower", "upper", "velocity", "effort"], 1, false),
 ];
 
+/// What an element must have within it.
+const PARTS: [(&str, &[&str]); 1] = [("inertial", &["mass", "inertia"])];
+
+/// Words that an element must say.
+const WORDS: [(&str, &str); 3] = [
+    ("mimic", "joint"),
+    ("material", "name"),
+    ("safety_controller", "k_velocity"),
+];
+
 const JOINT_TYPES: [&str; 7] = [
     "revolute",
     "continuous",
@@ -256,9 +266,27 @@ impl Scanner<'_> {
                     self.check_number(owner, &node, rule, attribute)?;
                 }
             }
+            self.check_parts(owner, &node)?;
             lines.children.push((element.to_owned(), self.line(&node)));
         }
         Ok(lines)
+    }
+
+    fn check_parts(&self, owner: &Node, node: &Node) -> Result<(), ArmError> {
+        let element = node.tag_name().name();
+        for (_, attribute) in WORDS.iter().filter(|(name, _)| *name == element) {
+            self.require(node, attribute)?;
+        }
+        let parts = PARTS.iter().filter(|(name, _)| *name == element);
+        for part in parts.flat_map(|(_, parts)| *parts) {
+            if !node.children().any(|child| child.has_tag_name(*part)) {
+                let of = owner.tag_name().name();
+                let name = owner.attribute("name").unwrap_or_default();
+                let message = format!("<{element}> of {of} \"{name}\" has no <{part}>");
+                return Err(self.error(node, ArmErrorKind::Urdf(message)));
+            }
+        }
+        Ok(())
     }
 
     fn check_number(

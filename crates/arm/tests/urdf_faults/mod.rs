@@ -119,6 +119,11 @@ pub const URDF_FAULTS: &[(&str, Option<usize>, &[&str])] = &[
         &["<axis xyz=\"0 1\">", "three finite numbers"],
     ),
     ("no_inertia_term", Some(16), &["<inertia>", "`iyz`"]),
+    (
+        "no_mass",
+        Some(13),
+        &["<inertial>", "link \"upper\"", "no <mass>"],
+    ),
     ("no_joint_name", Some(19), &["<joint>", "`name`"]),
     (
         "unknown_link",
