@@ -212,7 +212,7 @@ pub(super) fn widest_along(
     let mut next: Option<usize> = None;
     for (k, row) in rows.iter().enumerate().rev() {
         let cost = |i: usize| match next {
-            Some(j) => row[i] + turns[k][TRIED + j - i] / way(k).max(SHORT),
+            Some(j) => row[i] + turns[k].squared[TRIED + j - i] / way(k).max(SHORT),
             None => row[i],
         };
         let best = (0..TRIED).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
@@ -230,29 +230,55 @@ pub(super) fn widest_along(
 /// Way between two places, over the wheel's width, below which it counts as this.
 const SHORT: f64 = 1e-9;
 
-/// Squared turns from one candidate to another at the place after, rad², the shorter way round: of
-/// i to j at `TRIED + j − i`.
-type Turns = [f64; 2 * TRIED];
+/// Turns from the candidates of a place to those of the place after.
+struct Turns {
+    /// How far the feed turns, in steps of the candidates, the shorter way round.
+    feed: f64,
+    /// Squared turns, rad², the shorter way round: of i to j at `TRIED + j − i`.
+    squared: [f64; 2 * TRIED],
+}
 
 /// Those where the feed turns by an angle, rad.
 fn turns(feed_turn_rad: f64) -> Turns {
-    std::array::from_fn(|k| {
+    // An axis has no sense.
+    let shorter = |turn: f64| turn - PI * (turn / PI).round();
+    let squared = std::array::from_fn(|k| {
         let turn = PI * (k as f64 - TRIED as f64) / TRIED as f64 + feed_turn_rad;
-        // An axis has no sense.
-        let turn = turn - PI * (turn / PI).round();
-        turn * turn
-    })
+        shorter(turn) * shorter(turn)
+    });
+    Turns {
+        feed: shorter(feed_turn_rad) * TRIED as f64 / PI,
+        squared,
+    }
 }
 
 /// Least cost to come to each candidate from any of the place before.
+///
+/// To any of them the axis may come from the candidate that turns least, half a step at most; one
+/// that costs less by d is no better beyond the turn that costs d more.
 fn reached(row: &Costs, turns: &Turns, way: f64) -> Costs {
     let per_way = 1.0 / way.max(SHORT);
+    let per_step = (PI / TRIED as f64).powi(2) * per_way;
+    let highest = row.iter().copied().fold(0.0, f64::max);
     let mut least = [f64::INFINITY; TRIED];
-    for (i, from) in row.iter().enumerate() {
-        if from.is_finite() {
-            for (least, turn) in least.iter_mut().zip(&turns[TRIED - i..]) {
+    for (i, from) in row.iter().enumerate().filter(|(_, from)| from.is_finite()) {
+        // Infinite where some candidate may not be taken: what it stands for is then not bounded.
+        let reach = ((highest - from) / per_step + 0.25).sqrt() + 1.0;
+        let mut meet = |places: std::ops::Range<usize>| {
+            let squared = &turns.squared[TRIED + places.start - i..];
+            for (least, turn) in least[places].iter_mut().zip(squared) {
                 *least = least.min(from + turn * per_way);
             }
+        };
+        let (first, last) = (i as f64 - turns.feed - reach, i as f64 - turns.feed + reach);
+        if last - first >= TRIED as f64 {
+            meet(0..TRIED);
+            continue;
+        }
+        // Once round to either side: the feed turns by half of that at most.
+        for round in [-1.0, 0.0, 1.0] {
+            let of = |end: f64| (end + round * TRIED as f64).clamp(0.0, TRIED as f64) as usize;
+            meet(of(first.ceil())..of(last.floor() + 1.0));
         }
     }
     least

@@ -1,7 +1,7 @@
 //! Axes along lines on faces drawn at random.
 
 use super::*;
-use crate::surface::drawn;
+use crate::surface::drawn::{self, seeded};
 use crate::surface_path::wheel::tests::PUBLISHED;
 
 /// Places along u, 2 mm apart, at a v.
@@ -142,4 +142,28 @@ fn verify_the_axis_keeps_its_angle_on_a_plane() {
     assert!(found.clone().all(|found| (found - off_rad).abs() < degree));
     let first = FRAC_PI_2 - chosen[0].psi_rad;
     assert!(found.clone().all(|found| (found - first).abs() < 1e-9));
+}
+
+/// Candidates that are too far off to be the best are left out: the costs are, to the bit, those
+/// over all of them.
+#[test]
+fn candidates_that_are_left_out_are_never_the_best() {
+    let cost = || proptest::collection::vec(0.0..1.0_f64, TRIED);
+    for seed in 0..200 {
+        let (costs, spread, feed_rad, way) =
+            seeded(seed, &(cost(), -4.0..1.0_f64, -PI..PI, -9.0..1.0_f64));
+        let mut row: Costs = std::array::from_fn(|k| costs[k] * 10_f64.powf(spread));
+        if seed % 4 == 0 {
+            row.iter_mut()
+                .step_by(7)
+                .for_each(|one| *one = f64::INFINITY);
+        }
+        let (turns, way) = (turns(feed_rad), 10_f64.powf(way));
+        let per_way = 1.0 / way.max(SHORT);
+        let over_all: Costs = std::array::from_fn(|j| {
+            let each = (0..TRIED).map(|i| row[i] + turns.squared[TRIED + j - i] * per_way);
+            each.fold(f64::INFINITY, f64::min)
+        });
+        assert_eq!(reached(&row, &turns, way), over_all, "seed {seed}");
+    }
 }
