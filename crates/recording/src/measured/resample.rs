@@ -17,6 +17,9 @@ const SLACK: f64 = 1e-6;
 const TWIN: f64 = 1e-2;
 /// Most samples of a result.
 const MOST_SAMPLES: f64 = 2e7;
+/// A result has no more than so many samples for one of its fastest channel: those between follow
+/// from their neighbours.
+const MOST_FOR_ONE: f64 = 10.0;
 
 /// The valid samples of a channel.
 #[derive(Debug, Default)]
@@ -190,6 +193,17 @@ impl Base {
         };
         let file_interval_s = median_interval_s(time_s);
         let interval_s = mapping.resample_hz.map_or(file_interval_s, |hz| 1.0 / hz);
+        let sampled = series.iter().filter(|one| one.time_s.len() > 1);
+        let each = sampled.map(|one| median_interval_s(&one.time_s));
+        let fastest_s = each.fold(file_interval_s, f64::min);
+        if interval_s * MOST_FOR_ONE * (1.0 + 1e-9) < fastest_s {
+            return fail(format!(
+                "`data.resample_hz` is {}, but must be at most {}, ten times the rate of the fastest channel: samples \
+                 between those of the file say nothing new",
+                significant(1.0 / interval_s, 6),
+                significant(MOST_FOR_ONE / fastest_s, 6)
+            ));
+        }
         // From the first time at which every channel has begun to the last at which none has ended.
         let start = series.iter().map(|one| one.time_s[0]);
         let start_s = start.fold(time_s[0], f64::max);

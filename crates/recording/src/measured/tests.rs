@@ -186,6 +186,21 @@ fn verify_jittered_stamps_cost_next_to_nothing() {
     assert!(worst < 3e-4, "{worst}");
 }
 
+/// Up to ten samples are made of one, no more.
+#[test]
+fn a_result_far_faster_than_its_file_is_refused() {
+    let mut mapping = mapping();
+    for (hz, refused) in [(10_000.0, false), (10_001.0, true), (1e5, true)] {
+        mapping.resample_hz = Some(hz);
+        let read = measured(&table(200), &mapping);
+        assert_eq!(read.is_err(), refused, "{hz}");
+        if let Err(error) = read {
+            let message = error.to_string();
+            assert!(message.contains("at most 10000"), "{message}");
+        }
+    }
+}
+
 /// A fifth of the rate: 5 Hz passes, 300 Hz, which would fold to 100 Hz, does not.
 #[test]
 fn a_slower_result_has_nothing_folded_into_it() {
