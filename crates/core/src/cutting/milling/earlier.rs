@@ -7,8 +7,9 @@
 //! moves backwards, `r + o'·t > 0`, there is one crossing and Newton's method finds it to rounding.
 //! A path that loops is searched for all its crossings, of which the outermost counts.
 
+use super::cutter::Cutter;
 use super::memory::{Passed, Trace};
-use nalgebra::Vector2;
+use nalgebra::{Matrix3, Vector2, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// An earlier pass as the teeth of now see it.
@@ -31,6 +32,135 @@ pub(super) struct EarlierPass<'a> {
 pub(super) enum Axis<'a> {
     Moved(&'a Trace),
     Steady(Vector2<f64>),
+    /// Its direction changes: where it passes a height, less where it stands now.
+    Swivelled(Swivelled<'a>),
+}
+
+/// A tool that moves and whose axis turns, from the frame of the tool of now.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Swivelled<'a> {
+    /// Places of its tip, and directions of its axis.
+    pub tip: &'a Trace,
+    pub direction: &'a Trace,
+    pub now_from_work: Matrix3<f64>,
+    pub tip_now_m: Vector3<f64>,
+    /// Above the tip of now, along its axis.
+    pub height_m: f64,
+}
+
+impl Swivelled<'_> {
+    /// Where the axis passed the height at a rotation, across the axis of now, and its change with
+    /// rotation.
+    fn at(&self, rotation_rad: f64) -> (Vector2<f64>, Vector2<f64>) {
+        let (tip, direction) = (self.tip.at(rotation_rad), self.direction.at(rotation_rad));
+        let off_m = self.now_from_work * (tip.displacement_m - self.tip_now_m);
+        let leaning = self.now_from_work * direction.displacement_m;
+        let above_m = (self.height_m - off_m.z) / leaning.z;
+        let moved = tip.displacement_m_per_rad + direction.displacement_m_per_rad * above_m;
+        let rate = self.now_from_work * moved;
+        let passed_m = off_m + leaning * above_m;
+        (passed_m.xy(), rate.xy() - leaning.xy() * rate.z / leaning.z)
+    }
+}
+
+/// An earlier pass of a tool that turns, in the frame of the tool of now.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SwivelPass {
+    pub then_rad: f64,
+    pub tip_m: Vector3<f64>,
+    pub direction: Vector3<f64>,
+}
+
+impl SwivelPass {
+    /// Where its axis passed a height above the tip of now.
+    pub fn off_m(&self, height_m: f64) -> Vector2<f64> {
+        let above_m = (height_m - self.tip_m.z) / self.direction.z;
+        (self.tip_m + self.direction * above_m).xy()
+    }
+
+    /// How far above the tip of then a place stands along the axis of then, m: at one height of a
+    /// tool that has turned since, one side stands higher than the other.
+    pub fn above_m(&self, place_m: &Vector3<f64>) -> f64 {
+        (place_m - self.tip_m).dot(&self.direction)
+    }
+}
+
+/// Where an earlier tooth stood when it had the angle of now.
+pub(super) struct Then<'a> {
+    pub axis: Axis<'a>,
+    pub then_rad: f64,
+    /// Axis then less axis now, across it, m.
+    pub off_m: Vector2<f64>,
+    /// How far above the tip of then the height stands that is asked for, m.
+    pub above_m: f64,
+}
+
+/// What the tooth of now asks of the earlier ones.
+pub(super) struct Asked<'a> {
+    pub cutter: &'a Cutter,
+    pub tooth: usize,
+    pub ray: &'a Ray,
+    /// Radius on which it runs.
+    pub reach_m: f64,
+    /// What is taken from the places of `Axis::Moved`.
+    pub now_m: Vector2<f64>,
+    /// Fastest motion of the axis.
+    pub speed_m_per_rad: f64,
+}
+
+impl Asked<'_> {
+    /// How far from the axis the surface begins that earlier teeth have left, m: those of one, two
+    /// and more pitches before.
+    pub fn surface_m<'a>(&self, passes: impl Iterator<Item = Then<'a>>) -> f64 {
+        let (cutter, ray, speed) = (self.cutter, self.ray, self.speed_m_per_rad);
+        let (teeth, pitch_rad) = (cutter.teeth, cutter.pitch_rad());
+        // What stands under a flat end is not the corner's.
+        let mut surface_m = match cutter.is_flat() {
+            true => 0.0_f64,
+            false => cutter.profile().end_radius_m(),
+        };
+        for (index, then) in passes.enumerate() {
+            let m = index + 1;
+            if then.above_m < 0.0 {
+                continue;
+            }
+            let before = (self.tooth + teeth - m % teeth) % teeth;
+            let radius_m = cutter.tooth_reach_m(before, then.above_m);
+            if self.misses(&then.off_m, radius_m) {
+                continue;
+            }
+            // |δ| <= π/2 (|o| + V |δ|)/r bounds where the ray is crossed.
+            let slack = 1.0 - FRAC_PI_2 * speed / radius_m;
+            if slack > 0.5 {
+                let shift_rad = FRAC_PI_2 * then.off_m.norm() / radius_m / slack;
+                if radius_m + then.off_m.dot(&ray.outward) + speed * shift_rad <= surface_m {
+                    continue;
+                }
+            }
+            let pass = EarlierPass {
+                axis: then.axis,
+                then_rad: then.then_rad,
+                now_m: self.now_m,
+                fed_m: 0.0,
+                feed_m_per_rad: 0.0,
+                reach_rad: (pitch_rad * m as f64).min(FRAC_PI_2),
+            };
+            if let Some(left_m) = pass.left_m(radius_m, ray) {
+                surface_m = surface_m.max(left_m);
+            }
+            if surface_m >= self.reach_m {
+                break;
+            }
+        }
+        surface_m
+    }
+
+    /// Whether an earlier tooth on a radius cannot have come by the ray: the axis stood further
+    /// aside than it reached.
+    fn misses(&self, off_m: &Vector2<f64>, radius_m: f64) -> bool {
+        let beside_m = off_m.dot(&self.ray.along).abs();
+        !self.cutter.is_flat() && beside_m - self.speed_m_per_rad * FRAC_PI_2 > radius_m
+    }
 }
 
 /// A direction from the axis and the one in which a tooth there moves.
@@ -71,6 +201,7 @@ impl EarlierPass<'_> {
                 } = trace.at(self.then_rad + shift_rad);
                 (displacement_m.xy(), displacement_m_per_rad.xy())
             }
+            Axis::Swivelled(swivelled) => swivelled.at(self.then_rad + shift_rad),
         };
         let fed_m = self.feed_m_per_rad * shift_rad - self.fed_m;
         (

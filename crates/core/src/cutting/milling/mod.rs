@@ -30,6 +30,7 @@
 //! | [`cut`] | forces of a vibrating tool against that surface |
 //! | [`dexel`] | the finished walls and floor as dexels |
 //! | [`layered`] | a cut along any path in a body of stock |
+//! | [`swivel`] | one whose axis turns on its way |
 //! | [`finish`] | surface location error, roughness, chatter marks |
 
 pub mod cut;
@@ -46,6 +47,7 @@ mod parameters;
 pub mod profile;
 mod slice;
 pub(crate) mod sweep;
+pub mod swivel;
 
 /// Why a milling cut cannot be what was asked for.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

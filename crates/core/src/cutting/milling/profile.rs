@@ -87,6 +87,17 @@ impl Profile {
         Some(corner_m - (corner_m * corner_m - beyond_m * beyond_m).max(0.0).sqrt())
     }
 
+    /// How far a place at a distance from the axis and a height above the tip lies outside of the
+    /// body, m: negative within; the body goes on upwards.
+    pub fn outside_m(&self, distance_m: f64, height_m: f64) -> f64 {
+        let beside_m = distance_m - self.end_radius_m();
+        let below_m = self.corner_radius_m - height_m;
+        match beside_m > 0.0 && below_m > 0.0 {
+            true => beside_m.hypot(below_m) - self.corner_radius_m,
+            false => (distance_m - self.radius_m).max(-height_m),
+        }
+    }
+
     /// cos κ of the outline at a distance from the axis: 1 on the flat end, 0 at the rim.
     pub fn cos_at(&self, distance_m: f64) -> f64 {
         let beyond_m = (distance_m - self.end_radius_m()).max(0.0);

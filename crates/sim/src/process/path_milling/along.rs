@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::nominal::NominalPath;
 use super::setup::{FILE, motion, parameters};
+use super::written::Written;
 use super::{LEVEL, PathMillingSetup};
 use crate::error::SimError;
 use crate::motion::{KNOT_INTERVAL_S, PlannedMotion, Target};
@@ -62,7 +63,7 @@ pub(crate) fn places(
     let motion = motion(spec, context)?;
     let setup = parameters(spec, context, &motion)?;
     Ok(CutPlaces {
-        places: setup.places(&motion.knots),
+        places: setup.places(&motion.knots)?,
         world_from_work: setup.world_from_work,
     })
 }
@@ -118,8 +119,13 @@ impl CutPlace {
 }
 
 impl PathMillingSetup {
-    fn places(&self, knots: &[Vec<f64>]) -> Vec<CutPlace> {
-        let mut left = self.meant.stock.clone();
+    fn places(&self, knots: &[Vec<f64>]) -> Result<Vec<CutPlace>, SimError> {
+        let Written::Upright { meant, .. } = &self.written else {
+            let message = "the tool leans on its way: limits along a path are those of an upright tool; runs tell where \
+                           it chatters (path_milling.vibration)";
+            return Err(SimError::scenario(FILE, message));
+        };
+        let mut left = meant.stock.clone();
         let radius_m = self.spec.cutter.radius_m;
         let chord_m = CHORD * left.grid_m();
         let stretch_m = (self.nominal.length_m() / STRETCHES).max(chord_m);
@@ -172,7 +178,7 @@ impl PathMillingSetup {
             );
             (from, from_s) = (on, time_s);
         }
-        places
+        Ok(places)
     }
 }
 

@@ -1,11 +1,11 @@
 //! What is kept of a pass by place.
 
 use super::MillingStep;
+use super::cut::Cut;
 use super::peak::Peak;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 use truecut_core::cutting::milling::cut::MillingLoads;
-use truecut_core::cutting::milling::layered::cut::LayeredCut;
 
 /// Stretches of a path by which things are told.
 const STRETCHES: usize = 200;
@@ -59,7 +59,7 @@ pub(super) struct Kept {
     periods: Vec<usize>,
     /// Which of the speeds holds.
     speed: usize,
-    /// Deflections of the last period, the latest last.
+    /// Deflections of the last period in the tool's axes, the latest last.
     before_m: VecDeque<Vector3<f64>>,
 }
 
@@ -104,7 +104,7 @@ impl Kept {
     }
 
     /// A step, by which the cut has come; of an arm that swings in air nothing is kept.
-    pub fn add(&mut self, step: &MillingStep, cut: &LayeredCut) {
+    pub fn add(&mut self, step: &MillingStep, cut: &Cut) {
         self.idle = match step.loads.removal_m3_per_rad > 0.0 {
             true => 0,
             false => self.idle.saturating_add(1),
@@ -117,7 +117,8 @@ impl Kept {
         let index = ((step.along_m / self.stretch_m) as usize).min(self.stretches.len() - 1);
         let stretch = &mut self.stretches[index];
         let force_n = step.force_on_tool_n.norm();
-        let in_plane = step.deflection_m.xy();
+        let across_m = step.across_m();
+        let in_plane = across_m.xy();
         stretch.count += 1;
         stretch.force_n2 += force_n * force_n;
         stretch.deflection_m2 += in_plane.norm_squared();
@@ -126,18 +127,18 @@ impl Kept {
             stretch.changes += 1;
             stretch.change_m2 += (in_plane - before.xy()).norm_squared();
         }
-        self.before_m.push_back(step.deflection_m);
+        self.before_m.push_back(across_m);
         self.peaks(step, cut);
         self.largest_deflection_m = self.largest_deflection_m.max(in_plane.norm());
     }
 
-    fn peaks(&mut self, step: &MillingStep, cut: &LayeredCut) {
+    fn peaks(&mut self, step: &MillingStep, cut: &Cut) {
         let Some(at) = step.at else {
             return;
         };
         let loads = |rotation_rad: f64| cut.evaluate(&cut.place_at(rotation_rad, &at));
         let force_n = |loads: &MillingLoads| loads.force_on_tool_n.norm();
-        let torque_n_m = |loads: &MillingLoads| loads.moment_on_tool_n_m.z.abs();
+        let torque_n_m = |loads: &MillingLoads| loads.moment_on_tool_n_m.dot(&at.axis()).abs();
         let (rotation_rad, now) = (at.rotation_rad, &step.loads);
         (self.force_n).add(rotation_rad, force_n(now), |at| force_n(&loads(at)));
         self.torque_n_m[self.speed].add(rotation_rad, torque_n_m(now), |at| torque_n_m(&loads(at)));

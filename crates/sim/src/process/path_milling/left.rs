@@ -1,9 +1,9 @@
 //! What is left on floors and walls beyond the path as written, and the part that shows it.
 
-use super::PathMilling;
 use nalgebra::{Vector2, Vector3};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
+use truecut_core::cutting::milling::layered::cut::LayeredCut;
 use truecut_core::cutting::milling::layered::outline::Facing;
 use truecut_core::cutting::milling::layered::stock::LayeredStock;
 use truecut_core::cutting::milling::layered::way::{COARSEST, Leg, Meant};
@@ -23,12 +23,16 @@ const ON_FACE_M: f64 = 1e-12;
 
 /// Material left on floors by node; not a number where there is none, or no tooth has been, and
 /// beside walls and steps: how deep it is there is the wall's error.
-pub(super) fn floor_left_m(milling: &PathMilling) -> Vec<f64> {
-    let (setup, floor_m) = (&milling.setup, milling.cut.floor_m());
-    let radius_m = setup.spec.cutter.radius_m;
-    match &setup.meant.floor_cos {
-        Some(cos) => Floors::round(&setup.meant, radius_m).round_left_m(cos, floor_m),
-        None => Floors::flat(&setup.meant, &setup.legs, radius_m).flat_left_m(floor_m),
+pub(super) fn floor_left_m(
+    cut: &LayeredCut,
+    legs: &[Leg],
+    meant: &Meant,
+    radius_m: f64,
+) -> Vec<f64> {
+    let floor_m = cut.floor_m();
+    match &meant.floor_cos {
+        Some(cos) => Floors::round(meant, radius_m).round_left_m(cos, floor_m),
+        None => Floors::flat(meant, legs, radius_m).flat_left_m(floor_m),
     }
 }
 
@@ -168,10 +172,9 @@ fn slope(legs: &[Leg], top_m: f64) -> f64 {
     slopes.fold(0.0, f64::max)
 }
 
-/// The part with what is left beyond the target.
-pub(super) fn part(milling: &PathMilling) -> PartMesh {
-    let (stock, target) = (milling.cut.stock(), &milling.setup.meant.target);
-    let floors = floor_left_m(milling);
+/// The part with what is left beyond the target, of which the floors' is known.
+pub(super) fn part(cut: &LayeredCut, meant: &Meant, floors: &[f64]) -> PartMesh {
+    let (stock, target) = (cut.stock(), &meant.target);
     let floor_m = |corner: &Vector3<f64>| floors[stock.nearest(&corner.xy())];
     let mut part = PartMesh::default();
     for triangle in stock.surface() {
@@ -214,7 +217,7 @@ fn wall_left_m(target: &LayeredStock, layer: usize, corner: &Vector3<f64>) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use truecut_core::cutting::milling::layered::stock::Block;
+    use truecut_core::cutting::milling::layered::block::Block;
     use truecut_core::cutting::milling::layered::way::follow;
     use truecut_core::cutting::milling::profile::Profile;
 

@@ -1,18 +1,22 @@
 //! Milling of stock along a path from a file.
 //!
-//! The cut itself is [`LayeredCut`], in the path's work frame; this process moves it: the place of
-//! the tip is the arm's tool point with the modes of tool and workpiece, the force is averaged over
-//! each step, and what is reported is told by place: forces, deflection and vibration along the
-//! path, walls and floor against the path as it is written.
+//! The cut itself is one in layers or, of a tool that leans somewhere, in space (`cut`), in the
+//! path's work frame; this process moves it: the place of the tip is the arm's tool point with the
+//! modes of tool and workpiece, the force is averaged over each step, and what is reported is told
+//! by place: forces, deflection and vibration along the path, walls and floor against the
+//! path as it is written.
 
 pub(crate) mod along;
+mod cut;
 mod kept;
 mod left;
 mod nominal;
 mod peak;
 mod report;
 pub(crate) mod setup;
+mod space;
 mod spindle;
+mod written;
 
 use super::modes::{self, Modes, TipMotion};
 use super::quantity;
@@ -20,18 +24,18 @@ use super::teeth::averaged;
 use super::{ContactStiffness, Findings, Process, Start, ToolState, soft_note};
 use crate::loads::{Attachment, ContactOutcomes, Loads, Wrench};
 use crate::stability::known::beyond_table;
+use cut::Cut;
 use kept::Kept;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 use nominal::{NominalPath, OnPath};
 use spindle::{SpindleCourse, speeds_told};
 use std::f64::consts::TAU;
 use truecut_core::cutting::milling::cut::MillingLoads;
-use truecut_core::cutting::milling::layered::cut::{LayeredCut, ToolPlace};
-use truecut_core::cutting::milling::layered::walls::Walls;
-use truecut_core::cutting::milling::layered::way::{Leg, Meant};
+use truecut_core::cutting::milling::layered::cut::ToolPlace;
 use truecut_plan::cam::SpindleAtCuts;
 use truecut_recording::{ChannelSpec, Field, Outcome};
 use truecut_scenario::{PathMillingSpec, SpindleSpec};
+use written::Written;
 
 /// A path that sinks by no more than this part of its way is level.
 const LEVEL: f64 = 1e-3;
@@ -43,7 +47,7 @@ pub struct PathMillingSetup {
     /// Where the tool point would be without deflection.
     nominal: NominalPath,
     /// The path as it is written.
-    legs: Vec<Leg>,
+    written: Written,
     /// Lines of the file that its points come from.
     lines: Vec<Option<usize>>,
     /// When they are reached, s.
@@ -52,8 +56,6 @@ pub struct PathMillingSetup {
     said: Option<SpindleAtCuts>,
     /// How the spindle turns.
     spindle: SpindleCourse,
-    /// What it means for the stock.
-    meant: Meant,
     pub world_from_work: Isometry3<f64>,
     /// Takes components in the work frame to components in the process frame.
     pub process_from_work: Rotation3<f64>,
@@ -71,17 +73,15 @@ impl PathMillingSetup {
         turn.to_rotation_matrix().into_inner()
     }
 
-    /// A cut of the whole stock.
-    fn cut(&self, start_m: Vector3<f64>) -> LayeredCut {
-        let walls = Walls::new(self.meant.stations.clone(), self.spec.cutter.radius_m);
-        let stock = self.meant.stock.clone();
-        LayeredCut::new(
-            self.spec.cutter,
-            self.spec.coefficients,
-            stock,
-            walls,
-            start_m,
-        )
+    /// A cut of the whole stock by a tool that starts this far off the path.
+    fn cut(&self, offset_m: &Vector3<f64>) -> Cut {
+        let on = self.nominal.at(0.0);
+        let start = ToolPlace {
+            place_m: on.place_m + offset_m,
+            axes: on.axes,
+            ..ToolPlace::default()
+        };
+        self.written.cut(&self.spec, &start)
     }
 }
 
@@ -89,7 +89,7 @@ impl PathMillingSetup {
 #[derive(Debug, Clone)]
 pub struct PathMilling {
     setup: PathMillingSetup,
-    cut: LayeredCut,
+    cut: Cut,
     step_s: f64,
     last: MillingStep,
     kept: Kept,
@@ -118,10 +118,24 @@ struct MillingStep {
     removed_m3: f64,
 }
 
+impl MillingStep {
+    /// The deflection in the tool's axes, its x and y in the plane of cut.
+    fn across_m(&self) -> Vector3<f64> {
+        let axes = self.at.map_or_else(Rotation3::identity, |at| at.axes);
+        axes.inverse() * self.deflection_m
+    }
+
+    /// What brakes the spindle, N m.
+    fn torque_n_m(&self) -> f64 {
+        let axis = self.at.map_or(Vector3::z_axis(), |at| at.axis());
+        self.moment_on_tool_n_m.dot(&axis)
+    }
+}
+
 impl PathMilling {
     pub fn new(setup: PathMillingSetup) -> Self {
         Self {
-            cut: setup.cut(setup.nominal.at(0.0).place_m),
+            cut: setup.cut(&Vector3::zeros()),
             kept: Kept::new(setup.nominal.length_m(), [1.0]),
             setup,
             step_s: 0.0,
@@ -166,6 +180,7 @@ impl PathMilling {
             place_m: on.place_m + off.deflection_m + off.rate_m_per_s * ahead_s,
             vibration_m_per_rad: off.rate_m_per_s / spindle_rad_s,
             sinks: -on.velocity_m_per_s.z > LEVEL * on.velocity_m_per_s.norm(),
+            axes: on.axes,
         }
     }
 
@@ -202,8 +217,7 @@ impl Process for PathMilling {
             ..TipMotion::default()
         };
         self.modes.rest(&foot, &Vector3::zeros());
-        let on = s.nominal.at(0.0);
-        self.cut = s.cut(on.place_m + offset_m);
+        self.cut = s.cut(&offset_m);
         let teeth = match s.spec.cutter.runout.offset_m == 0.0 {
             true => 1,
             false => s.spec.cutter.teeth,

@@ -1,9 +1,10 @@
 //! Where the tool point would be without deflection: the commanded path in the work frame.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Rotation3, Unit, Vector3};
 use truecut_arm::{FrameId, Robot};
 use truecut_core::cutting::milling::layered::way::Meant;
 use truecut_core::cutting::milling::profile::Profile;
+use truecut_core::cutting::milling::swivel::way::turned_to;
 use truecut_plan::motion::interpolation::{hermite, slope};
 
 /// Pieces of the path that are taken for straight leave it by no more than this part of the grid.
@@ -19,6 +20,9 @@ pub(super) struct NominalPath {
     places_m: Vec<Vector3<f64>>,
     /// Way up to each place, m.
     along_m: Vec<f64>,
+    /// Axes of the tool at each place, turned from one to the next but not about its own; of a tool
+    /// that stands upright none.
+    axes: Vec<Rotation3<f64>>,
 }
 
 /// A place of the path.
@@ -27,10 +31,12 @@ pub(super) struct OnPath {
     pub place_m: Vector3<f64>,
     pub velocity_m_per_s: Vector3<f64>,
     pub along_m: f64,
+    /// From the tool's axes, z against it, to those of the work frame.
+    pub axes: Rotation3<f64>,
 }
 
 impl NominalPath {
-    /// Of an arm that is led through postures at even times.
+    /// Of an arm that is led through postures at even times, its tool upright.
     pub fn new(
         robot: &Robot,
         knots: &[Vec<f64>],
@@ -50,7 +56,25 @@ impl NominalPath {
             interval_s,
             places_m,
             along_m,
+            axes: Vec::new(),
         }
+    }
+
+    /// The same of a tool that leans.
+    pub fn leaning(
+        self,
+        robot: &Robot,
+        knots: &[Vec<f64>],
+        work_from_world: &Isometry3<f64>,
+    ) -> Self {
+        let mut axes = Vec::with_capacity(knots.len());
+        let mut before = Rotation3::identity();
+        for q in knots {
+            let tool = work_from_world * robot.world_from_frame(q, FrameId::Tool);
+            before = turned_to(&before, &Unit::new_normalize(tool.rotation * -Vector3::z()));
+            axes.push(before);
+        }
+        Self { axes, ..self }
     }
 
     /// The place that is nearest to a way along the path, its number.
@@ -154,6 +178,20 @@ impl NominalPath {
             place_m,
             velocity_m_per_s,
             along_m: self.along_m[k] + u * (self.along_m[next] - self.along_m[k]),
+            axes: self.axes_between([k, next], u),
         }
+    }
+
+    fn axes_between(&self, [k, next]: [usize; 2], u: f64) -> Rotation3<f64> {
+        let last = self.places_m.len() - 1;
+        let Some(from) = self.axes.get(k) else {
+            return Rotation3::identity();
+        };
+        let direction = Vector3::from_fn(|part, _| {
+            let knot = |i: usize| self.axes[i].matrix()[(part, 2)];
+            let slopes = [k, k + 1].map(|i| slope(knot, last, i));
+            hermite([knot(k), knot(next)], slopes, u)[0]
+        });
+        turned_to(from, &Unit::new_normalize(direction))
     }
 }

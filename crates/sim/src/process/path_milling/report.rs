@@ -1,13 +1,16 @@
 //! What a pass along a path reports: channels; forces, vibration, walls and floor by place.
 
 use super::PathMilling;
+use super::cut::Cut;
 use super::kept::Stretch;
 use super::left::{floor_left_m, part};
+use super::space;
+use super::written::Written;
 use crate::process::Findings;
 use crate::process::quantity::{self, Quantity};
 use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::TAU;
-use truecut_core::cutting::milling::layered::stock::LayeredStock;
+use truecut_core::cutting::milling::layered::cut::LayeredCut;
 use truecut_core::cutting::milling::layered::walls::{Side, Station};
 use truecut_recording::{Field, Profile, Scalar, Unit};
 
@@ -19,10 +22,10 @@ const DRAWN_ABOVE_M: f64 = 1e-4;
 /// What is recorded of a step: the cut, with its chips and immersion at the instant.
 pub(super) fn quantities(milling: &PathMilling) -> impl Iterator<Item = Quantity> {
     let last = &milling.last;
-    let (force, torque) = (last.force_on_tool_n, last.moment_on_tool_n_m.z);
+    let (force, torque) = (last.force_on_tool_n, last.torque_n_m());
     let immersion = last.at.and_then(|at| {
-        let feed = last.feed_m_per_s.xy();
-        (feed.norm() > 1e-9).then(|| milling.cut.immersion(&at, &feed))?
+        let feed = at.axes.inverse() * last.feed_m_per_s;
+        (feed.xy().norm() > 1e-9).then(|| milling.cut.immersion(&at, &last.feed_m_per_s))?
     });
     let immersion = immersion.unwrap_or_default();
     let (chip_m, teeth) = (last.loads.thickest_chip_m, last.loads.teeth_in_cut);
@@ -91,8 +94,8 @@ pub(super) fn broken_rule(milling: &PathMilling) -> String {
         let share = (place - from).dot(&along) / along.norm_squared().max(1e-18);
         (place - from - along * share.clamp(0.0, 1.0)).norm()
     };
-    let nearest = (setup.legs.iter())
-        .map(|leg| (off_m(&at, &leg.from_m, &leg.to_m), leg.point))
+    let nearest = (setup.written.legs().into_iter())
+        .map(|([from_m, to_m], point)| (off_m(&at, &from_m, &to_m), point))
         .min_by(|a, b| a.0.total_cmp(&b.0));
     let line = nearest.and_then(|(_, point)| setup.lines.get(point).copied().flatten());
     let line = line.map_or(String::new(), |line| format!(" (line {line} of the path)"));
@@ -109,17 +112,28 @@ pub(super) fn findings(milling: &PathMilling) -> Findings {
     let mut findings = Findings::default();
     sizes(milling, &mut findings);
     by_place(milling, &mut findings);
-    walls(milling, &mut findings);
-    floor(milling, &mut findings);
-    findings.part = Some(part(milling));
+    match (&milling.cut, &milling.setup.written) {
+        (Cut::Upright(cut), Written::Upright { legs, meant }) => {
+            walls(cut, &mut findings);
+            let radius_m = milling.setup.spec.cutter.radius_m;
+            let floors = floor_left_m(cut, legs, meant, radius_m);
+            floor(&floors, &mut findings);
+            findings.part = Some(part(cut, meant, &floors));
+        }
+        (Cut::Swivel(cut), Written::Swivel { meant, .. }) => {
+            space::findings(cut, meant, &mut findings);
+        }
+        // A cut is made of what is written.
+        _ => {}
+    }
     findings
 }
 
 fn sizes(milling: &PathMilling, findings: &mut Findings) {
-    let (kept, meant) = (&milling.kept, &milling.setup.meant);
-    let whole_m3 = meant.stock.volume_m3();
-    let removed_m3 = whole_m3 - milling.cut.stock().volume_m3();
-    let target_m3 = whole_m3 - meant.target.volume_m3();
+    let kept = &milling.kept;
+    let [whole_m3, meant_m3] = milling.setup.written.volumes_m3();
+    let removed_m3 = whole_m3 - milling.cut.volume_m3();
+    let target_m3 = whole_m3 - meant_m3;
     let torque_n_m = kept.torques_n_m().fold(0.0, f64::max);
     let each = kept.torques_n_m().zip(milling.setup.spindle.speeds_rad_s());
     let power_w = each
@@ -188,8 +202,8 @@ fn profile(
     }
 }
 
-fn walls(milling: &PathMilling, findings: &mut Findings) {
-    let cut: Vec<(&Station, f64)> = (milling.cut.walls().left_m())
+fn walls(cut: &LayeredCut, findings: &mut Findings) {
+    let cut: Vec<(&Station, f64)> = (cut.walls().left_m())
         .filter(|(_, left_m)| left_m.is_finite())
         .collect();
     let left: Vec<f64> = cut.iter().map(|(_, left)| *left).collect();
@@ -218,15 +232,14 @@ fn walls(milling: &PathMilling, findings: &mut Findings) {
     }
 }
 
-fn floor(milling: &PathMilling, findings: &mut Findings) {
-    let left: Vec<f64> = (floor_left_m(milling).into_iter())
-        .filter(|left| left.is_finite())
-        .collect();
+fn floor(left_m: &[f64], findings: &mut Findings) {
+    let finite = left_m.iter().filter(|left| left.is_finite());
+    let left: Vec<f64> = finite.copied().collect();
     spread(findings, "floor_error", "the floors", &left);
 }
 
 /// Mean, root mean square and extremes of what is left.
-fn spread(findings: &mut Findings, name: &str, of: &str, left_m: &[f64]) {
+pub(super) fn spread(findings: &mut Findings, name: &str, of: &str, left_m: &[f64]) {
     let count = left_m.len() as f64;
     let or_nan = |value: f64| if left_m.is_empty() { f64::NAN } else { value };
     let mean = left_m.iter().sum::<f64>() / count;
@@ -262,8 +275,8 @@ pub(super) fn field(milling: &PathMilling) -> Field {
         block.least_m.y,
         block.most_m.z + DRAWN_ABOVE_M,
     );
-    let deepest_m = (setup.legs.iter())
-        .map(|leg| block.most_m.z - leg.to_m.z.max(block.least_m.z))
+    let deepest_m = (setup.written.legs().into_iter())
+        .map(|([_, to_m], _)| block.most_m.z - to_m.z.max(block.least_m.z))
         .fold(0.0, f64::max);
     Field {
         path: "milled_depth".into(),
@@ -271,34 +284,51 @@ pub(super) fn field(milling: &PathMilling) -> Field {
             &(setup.world_from_work * Isometry3::translation(corner.x, corner.y, corner.z)),
         ),
         size_m: [size.x, size.y],
-        cells: drawn(milling.cut.stock()),
+        cells: drawn(columns_and_rows(&milling.cut)),
         full_scale: deepest_m,
         unit: Unit::Metre,
         vertices_m: Vec::new(),
     }
 }
 
-fn drawn(stock: &LayeredStock) -> [usize; 2] {
-    stock.nodes().map(|count| count.min(DRAWN))
+/// Of the grid, seen from above.
+fn columns_and_rows(cut: &Cut) -> [usize; 2] {
+    match cut {
+        Cut::Upright(cut) => cut.stock().nodes(),
+        Cut::Swivel(cut) => {
+            let [columns, rows, _] = cut.stock().nodes();
+            [columns, rows]
+        }
+    }
+}
+
+fn drawn(nodes: [usize; 2]) -> [usize; 2] {
+    nodes.map(|count| count.min(DRAWN))
+}
+
+/// How deep the stock has been cut at a node, m.
+fn cut_depth_m(cut: &Cut, [column, row]: [usize; 2]) -> f64 {
+    match cut {
+        Cut::Upright(cut) => {
+            let floor_m = cut.floor_m()[column + cut.stock().nodes()[0] * row];
+            match floor_m.is_finite() {
+                true => (cut.stock().block.most_m.z - floor_m).max(0.0),
+                false => 0.0,
+            }
+        }
+        Cut::Swivel(cut) => space::depth_m(cut.stock(), [column, row]),
+    }
 }
 
 pub(super) fn field_values(milling: &PathMilling) -> Vec<f32> {
-    let stock = milling.cut.stock();
-    let [columns, rows] = stock.nodes();
-    let [across, up] = drawn(stock);
-    let top_m = stock.block.most_m.z;
+    let [columns, rows] = columns_and_rows(&milling.cut);
+    let [across, up] = drawn([columns, rows]);
     let at = |k: usize, drawn: usize, count: usize| k * (count - 1) / (drawn - 1).max(1);
     let mut values = Vec::with_capacity(across * up);
     for row in 0..up {
         for column in 0..across {
-            let node = at(column, across, columns) + columns * at(row, up, rows);
-            let floor_m = milling.cut.floor_m()[node];
-            let depth_m = if floor_m.is_finite() {
-                top_m - floor_m
-            } else {
-                0.0
-            };
-            values.push(depth_m.max(0.0) as f32);
+            let node = [at(column, across, columns), at(row, up, rows)];
+            values.push(cut_depth_m(&milling.cut, node) as f32);
         }
     }
     values

@@ -2,25 +2,31 @@
 
 use super::nominal::NominalPath;
 use super::spindle::SpindleCourse;
+use super::written::Written;
 use super::{PathMilling, PathMillingSetup};
 use crate::error::SimError;
 use crate::motion::{KNOT_INTERVAL_S, PlannedMotion, Target, path_file};
 use crate::process::setup::Motion;
 use crate::process::{ProcessSetup, SetupContext};
 use crate::scene::{Tooling, shapes};
-use nalgebra::{Isometry3, Translation3, Vector3};
-use std::f64::consts::TAU;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use truecut_arm::{FrameId, Load, Robot};
-use truecut_core::cutting::milling::layered::way::{Leg, follow};
+use truecut_core::cutting::milling::layered::way::{Leg, WayFault, follow};
+use truecut_core::cutting::milling::swivel;
+use truecut_core::cutting::milling::swivel::field::{DistanceField, nodes};
+use truecut_core::cutting::milling::swivel::way::SwivelLeg;
 use truecut_plan::path_file::{Way, WayPoint};
 use truecut_scenario::{PathMillingSpec, ProcessSpec};
 
 pub(super) const FILE: &str = "process.path_milling.path.file";
-/// Farthest that the tool's axis may lean from the work frame's z, rad.
+/// A tool whose axis leans further from the work frame's z, rad, is not upright.
 const LEAN_RAD: f64 = 1e-4;
 /// Largest feed per tooth as a part of the cutter's diameter: chips are far thinner than it.
 const LARGEST_FEED: f64 = 0.1;
+/// Most nodes of a grid in space: stock, target and what is cut of them have each one.
+const MOST_NODES: f64 = 24e6;
 /// Ways by joints are looked at in so many pieces.
 const PIECES: usize = 40;
 
@@ -68,43 +74,16 @@ pub(super) fn parameters(
     };
     let course = spindle(spec, way);
     check_feed(spec, way, &course)?;
-    let legs = legs(spec, way, robot)?;
-    let profile = spec.cutter.profile();
-    let ends_cut = spec.cutter.centre_cutting;
-    let followed = follow(
-        &legs,
-        spec.stock.block,
-        &spec.stock.holes,
-        spec.stock.solid.as_deref(),
-        &profile,
-        spec.stock.grid_m,
-        ends_cut,
-    );
-    let meant = followed.map_err(|fault| {
-        let point = fault.point().and_then(|point| way.points.get(point));
-        at_point(spec, point, &fault.to_string())
-    })?;
     let from = context.departure(motion);
     let work_from_world = way.world_from_work.inverse();
     let nominal = NominalPath::new(robot, &motion.knots, KNOT_INTERVAL_S, &work_from_world);
-    let sinks = match ends_cut {
-        true => None,
-        false => nominal.sinks_into(&meant, &profile),
+    let (written, nominal) = match leans(way) {
+        false => (upright(spec, way, robot, &nominal)?, nominal),
+        true => {
+            let nominal = nominal.leaning(robot, &motion.knots, &work_from_world);
+            (swivel(spec, way, robot)?, nominal)
+        }
     };
-    if let Some(sinking) = sinks {
-        let near = (way.points.iter()).min_by(|a, b| {
-            let off = |one: &WayPoint| (one.work_from_tool.translation.vector - sinking).norm();
-            off(a).total_cmp(&off(b))
-        });
-        let message = format!(
-            "where corners are blended the depth changes in the stock, at ({:.2}, {:.2}, {:.2}) mm, but the ends of \
-             the teeth do not cut here: stop at the point before (G61), or turn further away from the stock",
-            sinking.x * 1e3,
-            sinking.y * 1e3,
-            sinking.z * 1e3
-        );
-        return Err(at_point(spec, near, &message));
-    }
     let tool_axes = robot.tool_axes(&from.posture);
     let modes = robot.cutting_modes(&from.posture, &spec.attached)?;
     let rates = modes.iter().map(|mode| mode.natural_frequency_rad_s / TAU);
@@ -115,12 +94,11 @@ pub(super) fn parameters(
     let process_from_work = from.process_from_world() * way.world_from_work.rotation;
     Ok(PathMillingSetup {
         nominal,
-        legs,
+        written,
         said: way.spindle.clone(),
         spindle: course,
         lines: way.points.iter().map(|point| point.line).collect(),
         reached_s: way.points.iter().map(|point| point.reached_s).collect(),
-        meant,
         world_from_work: way.world_from_work,
         process_from_work: process_from_work.to_rotation_matrix(),
         work_from_tool: work_from_world.rotation.to_rotation_matrix().matrix() * tool_axes,
@@ -188,44 +166,127 @@ fn check_feed(spec: &PathMillingSpec, way: &Way, course: &SpindleCourse) -> Resu
     Ok(())
 }
 
-/// The path as straight pieces of an upright tool.
-fn legs(spec: &PathMillingSpec, way: &Way, robot: &Robot) -> Result<Vec<Leg>, SimError> {
-    let place = |pose: &Isometry3<f64>| pose.translation.vector;
-    for point in &way.points {
+/// Whether the tool leans anywhere on a path.
+fn leans(way: &Way) -> bool {
+    way.points.iter().any(|point| {
         let axis = point.work_from_tool.rotation * -Vector3::z();
-        let lean_rad = axis.angle(&Vector3::z());
-        if lean_rad > LEAN_RAD {
-            let message = format!(
-                "the tool leans by {:.4} degrees, but must stand along the work frame's z axis: its axis is \
-                 fixed here",
-                lean_rad.to_degrees()
-            );
-            return Err(at_point(spec, Some(point), &message));
-        }
+        axis.angle(&Vector3::z()) > LEAN_RAD
+    })
+}
+
+/// The path of an upright tool and what it means for the stock.
+fn upright(
+    spec: &PathMillingSpec,
+    way: &Way,
+    robot: &Robot,
+    nominal: &NominalPath,
+) -> Result<Written, SimError> {
+    let place = |pose: &Isometry3<f64>| pose.translation.vector;
+    let each = pieces(way, robot).into_iter();
+    let legs: Vec<Leg> = each
+        .map(|(from, to, point)| Leg {
+            from_m: place(&from),
+            to_m: place(&to),
+            rapid: way.points[point].rapid,
+            point,
+        })
+        .collect();
+    let profile = spec.cutter.profile();
+    let ends_cut = spec.cutter.centre_cutting;
+    let followed = follow(
+        &legs,
+        spec.stock.block,
+        &spec.stock.holes,
+        spec.stock.solid.as_deref(),
+        &profile,
+        spec.stock.grid_m,
+        ends_cut,
+    );
+    let meant = followed.map_err(|fault| at_fault(spec, way, &fault))?;
+    let sinks = match ends_cut {
+        true => None,
+        false => nominal.sinks_into(&meant, &profile),
+    };
+    if let Some(sinking) = sinks {
+        let near = (way.points.iter()).min_by(|a, b| {
+            let off = |one: &WayPoint| (place(&one.work_from_tool) - sinking).norm();
+            off(a).total_cmp(&off(b))
+        });
+        let message = format!(
+            "where corners are blended the depth changes in the stock, at ({:.2}, {:.2}, {:.2}) mm, but the ends of \
+             the teeth do not cut here: stop at the point before (G61), or turn further away from the stock",
+            sinking.x * 1e3,
+            sinking.y * 1e3,
+            sinking.z * 1e3
+        );
+        return Err(at_point(spec, near, &message));
     }
+    Ok(Written::Upright {
+        legs,
+        meant: Box::new(meant),
+    })
+}
+
+/// The path of a tool that leans and what it means for the stock.
+fn swivel(spec: &PathMillingSpec, way: &Way, robot: &Robot) -> Result<Written, SimError> {
+    let stock = &spec.stock;
+    let nodes = nodes(&stock.block, stock.grid_m);
+    let count = nodes.iter().map(|count| *count as f64).product::<f64>();
+    if count > MOST_NODES {
+        let message = format!(
+            "the tool leans, so that the stock is kept on a grid in space: {:.4} mm makes {count:.2e} nodes of it, but \
+             there may be {MOST_NODES:.1e} at most; give a larger spacing, or less stock",
+            stock.grid_m * 1e3
+        );
+        let key = "process.path_milling.stock.grid_mm";
+        return Err(SimError::scenario(key, message));
+    }
+    let upwards =
+        |pose: Isometry3<f64>| pose * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    let legs: Vec<SwivelLeg> = (pieces(way, robot).into_iter())
+        .map(|(from, to, point)| SwivelLeg {
+            from: upwards(from),
+            to: upwards(to),
+            rapid: way.points[point].rapid,
+            point,
+        })
+        .collect();
+    let field = DistanceField::of(
+        stock.block,
+        &stock.holes,
+        stock.solid.as_deref(),
+        stock.grid_m,
+    );
+    let meant = swivel::way::follow(&legs, field, &spec.cutter.profile())
+        .map_err(|fault| at_fault(spec, way, &fault))?;
+    Ok(Written::Swivel {
+        legs,
+        meant: Box::new(meant),
+    })
+}
+
+/// What a cutter cannot do, at the point where.
+fn at_fault(spec: &PathMillingSpec, way: &Way, fault: &WayFault) -> SimError {
+    let point = fault.point().and_then(|point| way.points.get(point));
+    at_point(spec, point, &fault.to_string())
+}
+
+/// The path as straight pieces between two poses of the tool, with the point that each leads to.
+fn pieces(way: &Way, robot: &Robot) -> Vec<(Isometry3<f64>, Isometry3<f64>, usize)> {
     let work_from_world = way.world_from_work.inverse();
-    let mut legs = Vec::new();
+    let mut pieces = Vec::new();
     for (index, pair) in way.points.windows(2).enumerate() {
-        let leg = |from_m: Vector3<f64>, to_m: Vector3<f64>| Leg {
-            from_m,
-            to_m,
-            rapid: pair[1].rapid,
-            point: index + 1,
-        };
         if pair[1].speed_m_per_s.is_some() {
-            legs.push(leg(
-                place(&pair[0].work_from_tool),
-                place(&pair[1].work_from_tool),
-            ));
+            pieces.push((pair[0].work_from_tool, pair[1].work_from_tool, index + 1));
             continue;
         }
         let at = |k: usize| {
             let share = k as f64 / PIECES as f64;
             let ends = pair[0].posture.iter().zip(&pair[1].posture);
             let q: Vec<f64> = ends.map(|(a, b)| a + share * (b - a)).collect();
-            place(&(work_from_world * robot.world_from_frame(&q, FrameId::Tool)))
+            work_from_world * robot.world_from_frame(&q, FrameId::Tool)
         };
-        legs.extend((0..PIECES).map(|k| leg(at(k), at(k + 1))));
+        pieces.extend((0..PIECES).map(|k| (at(k), at(k + 1), index + 1)));
     }
-    Ok(legs)
+    pieces
 }

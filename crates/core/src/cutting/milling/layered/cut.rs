@@ -11,17 +11,17 @@ use super::stock::LayeredStock;
 use super::walls::Walls;
 use crate::cutting::chamfer::CuttingCoefficients;
 use crate::cutting::milling::cutter::Cutter;
-use crate::cutting::milling::earlier::{Axis, EarlierPass, Ray};
+use crate::cutting::milling::earlier::{Asked, Axis, Ray, Then};
 use crate::cutting::milling::memory::Trace;
 use crate::cutting::milling::profile::Lean;
 use crate::cutting::milling::slice::{MillingLoads, Slice};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Isometry3, Rotation3, Translation3, Unit, Vector2, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 /// Revolutions of which the motion is kept.
-const REVOLUTIONS: usize = 2;
+pub(in crate::cutting::milling) const REVOLUTIONS: usize = 2;
 /// Edges with a helix are cut into slices that lag by no more than this, rad.
-const SLICE_LAG_RAD: f64 = 0.02;
+pub(in crate::cutting::milling) const SLICE_LAG_RAD: f64 = 0.02;
 
 /// Where the tool is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,6 +35,21 @@ pub struct ToolPlace {
     /// Whether the path leads down there, so that ends cut. On a level path they, being ground
     /// hollow, stand clear of the floor but for their corners.
     pub sinks: bool,
+    /// From the tool's axes, z against it, to those of the work frame; where its axis stays upright
+    /// they are the same.
+    pub axes: Rotation3<f64>,
+}
+
+impl ToolPlace {
+    /// Direction from the tip up into the spindle.
+    pub fn axis(&self) -> Unit<Vector3<f64>> {
+        self.axes * Vector3::z_axis()
+    }
+
+    /// Tip and axes.
+    pub fn pose(&self) -> Isometry3<f64> {
+        Isometry3::from_parts(Translation3::from(self.place_m), self.axes.into())
+    }
 }
 
 /// A cut on any path.
@@ -341,49 +356,19 @@ impl LayeredCut {
         at: &ToolPlace,
         passes: &Passes,
     ) -> f64 {
-        let (teeth, pitch_rad) = (self.cutter.teeth, self.cutter.pitch_rad());
-        let reach_m = self.cutter.tooth_reach_m(tooth, height_m);
-        // What stands under a flat end is not the corner's.
-        let mut surface_m = match self.cutter.is_flat() {
-            true => 0.0_f64,
-            false => self.cutter.profile().end_radius_m(),
+        let asked = Asked {
+            cutter: &self.cutter,
+            tooth,
+            ray,
+            reach_m: self.cutter.tooth_reach_m(tooth, height_m),
+            now_m: at.place_m.xy(),
+            speed_m_per_rad: passes.speed_m_per_rad,
         };
-        for (index, (then_rad, then_m)) in passes.earlier.iter().enumerate() {
-            let m = index + 1;
-            if then_m.z > at.place_m.z + height_m {
-                continue;
-            }
-            let before = (tooth + teeth - m % teeth) % teeth;
-            let above_m = at.place_m.z + height_m - then_m.z;
-            let radius_m = self.cutter.tooth_reach_m(before, above_m);
-            let off_m = (then_m - at.place_m).xy();
-            if self.misses(&off_m, ray, radius_m, passes) {
-                continue;
-            }
-            let speed = passes.speed_m_per_rad;
-            // |δ| <= π/2 (|o| + V |δ|)/r bounds where the ray is crossed.
-            let slack = 1.0 - FRAC_PI_2 * speed / radius_m;
-            if slack > 0.5 {
-                let shift_rad = FRAC_PI_2 * off_m.norm() / radius_m / slack;
-                if radius_m + off_m.dot(&ray.outward) + speed * shift_rad <= surface_m {
-                    continue;
-                }
-            }
-            let pass = EarlierPass {
-                axis: Axis::Moved(&self.trace),
-                then_rad: *then_rad,
-                now_m: at.place_m.xy(),
-                fed_m: 0.0,
-                feed_m_per_rad: 0.0,
-                reach_rad: (pitch_rad * m as f64).min(FRAC_PI_2),
-            };
-            if let Some(left_m) = pass.left_m(radius_m, ray) {
-                surface_m = surface_m.max(left_m);
-            }
-            if surface_m >= reach_m {
-                break;
-            }
-        }
-        surface_m
+        asked.surface_m(passes.earlier.iter().map(|(then_rad, then_m)| Then {
+            axis: Axis::Moved(&self.trace),
+            then_rad: *then_rad,
+            off_m: (then_m - at.place_m).xy(),
+            above_m: at.place_m.z + height_m - then_m.z,
+        }))
     }
 }

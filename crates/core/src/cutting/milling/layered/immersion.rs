@@ -49,45 +49,54 @@ impl LayeredStock {
         radius_m: f64,
         feed: &Vector2<f64>,
     ) -> Option<Immersion> {
-        let left_rad = feed.x.atan2(feed.y) - FRAC_PI_2;
-        let is_in = |angle: f64| {
-            let place = axis_m + radius_m * Ray::at(left_rad + angle).outward;
+        arcs(feed, |angle| {
+            let place = axis_m + radius_m * Ray::at(angle).outward;
             self.is_left(layer, &place)
-        };
-        let step = PI / LOOKED_AT as f64;
-        let mut found: Option<Immersion> = None;
-        let mut add = |from: f64, to: f64| {
-            let arc = found.get_or_insert(Immersion {
-                entry_rad: from,
-                ..Immersion::default()
-            });
-            arc.exit_rad = to;
-            arc.engaged_rad += to - from;
-        };
-        let mut before = (1e-6, is_in(1e-6));
-        for k in 1..=LOOKED_AT {
-            let angle = (step * k as f64).min(PI - 1e-6);
-            let now = (angle, is_in(angle));
-            match (before.1, now.1) {
-                (true, true) => add(before.0, now.0),
-                (false, false) => {}
-                (starts, _) => {
-                    let (mut low, mut high) = (before.0, now.0);
-                    for _ in 0..HALVINGS {
-                        let middle = 0.5 * (low + high);
-                        match is_in(middle) == starts {
-                            true => low = middle,
-                            false => high = middle,
-                        }
-                    }
-                    match starts {
-                        true => add(before.0, low),
-                        false => add(high, now.0),
+        })
+    }
+}
+
+/// Where a rim that is fed along `feed` is in stock, which is asked for at angles of the frame in
+/// which the feed is given.
+pub(in crate::cutting::milling) fn arcs(
+    feed: &Vector2<f64>,
+    is_left: impl Fn(f64) -> bool,
+) -> Option<Immersion> {
+    let left_rad = feed.x.atan2(feed.y) - FRAC_PI_2;
+    let is_in = |angle: f64| is_left(left_rad + angle);
+    let step = PI / LOOKED_AT as f64;
+    let mut found: Option<Immersion> = None;
+    let mut add = |from: f64, to: f64| {
+        let arc = found.get_or_insert(Immersion {
+            entry_rad: from,
+            ..Immersion::default()
+        });
+        arc.exit_rad = to;
+        arc.engaged_rad += to - from;
+    };
+    let mut before = (1e-6, is_in(1e-6));
+    for k in 1..=LOOKED_AT {
+        let angle = (step * k as f64).min(PI - 1e-6);
+        let now = (angle, is_in(angle));
+        match (before.1, now.1) {
+            (true, true) => add(before.0, now.0),
+            (false, false) => {}
+            (starts, _) => {
+                let (mut low, mut high) = (before.0, now.0);
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (low + high);
+                    match is_in(middle) == starts {
+                        true => low = middle,
+                        false => high = middle,
                     }
                 }
+                match starts {
+                    true => add(before.0, low),
+                    false => add(high, now.0),
+                }
             }
-            before = now;
         }
-        found
+        before = now;
     }
+    found
 }

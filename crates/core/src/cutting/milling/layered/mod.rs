@@ -12,9 +12,11 @@
 //!
 //! | module | what it holds |
 //! | --- | --- |
-//! | [`stock`] | block, layers, cutting by arcs and by legs of a path |
+//! | [`block`] | a box of stock, holes through it |
+//! | [`stock`] | layers, cutting by arcs and by legs of a path |
 //! | [`way`] | the path as written: depths, what it must not do, the walls that it means |
 //! | [`cut`] | forces of a vibrating tool, where its rim is in stock |
+//! | [`immersion`] | where a rim is in stock |
 //! | `ends` | forces of the ends of teeth on plunges and ramps |
 //! | `round` | round corners of cutters: chips of their edges, layers, floors |
 //! | `sinking` | legs on which the depth changes: their layers and floors |
@@ -23,11 +25,12 @@
 //! | [`outline`] | areas, volume, mesh |
 
 mod arc;
+pub mod block;
 pub mod cut;
 mod ends;
-mod immersion;
+pub mod immersion;
 pub mod outline;
-mod round;
+pub(super) mod round;
 mod sinking;
 pub mod solid;
 pub mod stock;

@@ -9,10 +9,10 @@
 //! the outlines of layers, where it is nearer to level by the heights that teeth have left at the
 //! nodes: outlines of level faces are known badly, heights of upright ones likewise.
 
+use super::block::Block;
 use super::cut::{LayeredCut, Passes, ToolPlace};
-use super::stock::{Block, FAR, LayeredStock, off_line};
+use super::stock::{FAR, LayeredStock, off_line};
 use super::way::Leg;
-use crate::cutting::milling::earlier::Ray;
 use crate::cutting::milling::profile::{Lean, Profile};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::FRAC_PI_2;
@@ -31,7 +31,7 @@ const NARROWED: usize = 40;
 
 /// A piece of an edge.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Piece {
+pub(in crate::cutting::milling) struct Piece {
     /// Above the tip, m.
     pub height_m: f64,
     pub thick_m: f64,
@@ -40,7 +40,7 @@ pub(super) struct Piece {
 
 /// Pieces of a corner between two heights above the tip, at equal angles that the edge's lag, per
 /// height, does not exceed either.
-pub(super) fn pieces(
+pub(in crate::cutting::milling) fn pieces(
     profile: Profile,
     [low_m, high_m]: [f64; 2],
     lag_rad_per_m: f64,
@@ -100,19 +100,6 @@ impl LayeredCut {
             let whole = self.whole.as_ref().unwrap_or(stock);
             (floor_m - height_m).min(whole.beyond_m(layer, place))
         })
-    }
-
-    /// Whether an earlier tooth on a radius cannot have come by a ray from the axis of now: the
-    /// axis stood further aside than it reached.
-    pub(super) fn misses(
-        &self,
-        off_m: &Vector2<f64>,
-        ray: &Ray,
-        radius_m: f64,
-        passes: &Passes,
-    ) -> bool {
-        let beside_m = off_m.dot(&ray.along).abs();
-        !self.cutter.is_flat() && beside_m - passes.speed_m_per_rad * FRAC_PI_2 > radius_m
     }
 
     /// How much further out than a piece an edge stands at the middle of its layer, m, by the

@@ -1,6 +1,7 @@
 //! Legs of a path on which the tool sinks into stock or rises in it: plunges, ramps, helices.
 
-use super::stock::{Block, LayeredStock, MOST_SUNK_M, off_line};
+use super::block::Block;
+use super::stock::{LayeredStock, MOST_SUNK_M, off_line};
 use super::way::{Leg, PIECES, SAME_DEPTH_M};
 use crate::cutting::milling::profile::Profile;
 use nalgebra::{Vector2, Vector3};

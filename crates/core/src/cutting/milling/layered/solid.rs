@@ -5,7 +5,8 @@
 //! of which each holds as much as the mesh does there, to second order. An upright cutter and the
 //! layers know no undercuts: a mesh with a face that looks down, but for its underside, is refused.
 
-use super::stock::{Block, FAR, LayeredStock};
+use super::block::Block;
+use super::stock::{FAR, LayeredStock};
 use super::way::SAME_DEPTH_M;
 use nalgebra::{Vector2, Vector3};
 
@@ -137,7 +138,7 @@ fn rise([a, b, c]: &[Vector3<f64>; 3]) -> f64 {
 
 impl LayeredStock {
     /// Leaves of each layer what lies in a solid.
-    pub(super) fn keep_within(&mut self, solid: &Solid) {
+    pub(in crate::cutting::milling) fn keep_within(&mut self, solid: &Solid) {
         for layer in 0..self.layers().len() {
             let one = &self.layers()[layer];
             let pieces = solid.section(0.5 * (one.bottom_m + one.top_m));

@@ -1,6 +1,7 @@
 //! A block of stock in layers on a plane grid.
 
 use super::arc::ToothArc;
+use super::block::{Block, Hole};
 use super::round;
 use super::way::SAME_DEPTH_M;
 use crate::cutting::milling::profile::Profile;
@@ -8,66 +9,12 @@ use nalgebra::{Vector2, Vector3};
 use std::ops::Range;
 
 /// Grids beyond what has been cut say no more than that it is so far, in spacings.
-pub(super) const FAR: f64 = 4.0;
+pub(in crate::cutting::milling) const FAR: f64 = 4.0;
 /// Nodes within so many spacings of a cut know their distance.
 const KNOWN: f64 = 2.5;
 /// A tool that sinks by less than this part of a layer, or this, m, still cuts at that layer.
 const SUNK: f64 = 0.5;
 pub(super) const MOST_SUNK_M: f64 = 0.1e-3;
-
-/// A box of stock, its faces along the axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Block {
-    pub least_m: Vector3<f64>,
-    pub most_m: Vector3<f64>,
-}
-
-impl Block {
-    /// Volume, m³.
-    pub fn volume_m3(&self) -> f64 {
-        (self.most_m - self.least_m).product()
-    }
-
-    /// Whether a place of the plane lies in it.
-    pub fn contains(&self, place_m: &Vector2<f64>) -> bool {
-        (self.least_m.x..=self.most_m.x).contains(&place_m.x)
-            && (self.least_m.y..=self.most_m.y).contains(&place_m.y)
-    }
-
-    /// How far a place of the plane lies outside, m.
-    pub fn outside_m(&self, place_m: &Vector2<f64>) -> f64 {
-        let beyond = |at: f64, least: f64, most: f64| (least - at).max(at - most).max(0.0);
-        let x = beyond(place_m.x, self.least_m.x, self.most_m.x);
-        let y = beyond(place_m.y, self.least_m.y, self.most_m.y);
-        x.hypot(y)
-    }
-
-    /// Shares of the way between two places within which it lies in the block.
-    fn clip(&self, from_m: &Vector2<f64>, along_m: &Vector2<f64>) -> (f64, f64) {
-        let (mut low, mut high) = (0.0_f64, 1.0_f64);
-        for axis in 0..2 {
-            let (start, rate) = (from_m[axis], along_m[axis]);
-            let (least, most) = (self.least_m[axis], self.most_m[axis]);
-            if rate == 0.0 {
-                if start < least || start > most {
-                    return (0.0, 0.0);
-                }
-                continue;
-            }
-            let (a, b) = ((least - start) / rate, (most - start) / rate);
-            low = low.max(a.min(b));
-            high = high.min(a.max(b));
-        }
-        (low, high.max(low))
-    }
-}
-
-/// A round hole through the block, along z.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hole {
-    pub centre_m: Vector2<f64>,
-    pub radius_m: f64,
-}
 
 /// A layer of the block.
 #[derive(Debug, Clone, PartialEq)]
@@ -259,12 +206,7 @@ impl LayeredStock {
         let mut before = beyond(0.0);
         for part in 1..=parts as usize {
             let after = beyond(part as f64);
-            sum += match (before > 0.0, after > 0.0) {
-                (true, true) => 1.0,
-                (false, false) => 0.0,
-                (true, false) => before / (before - after),
-                (false, true) => after / (after - before),
-            };
+            sum += positive_share(before, after);
             before = after;
         }
         length_m * sum / parts
@@ -377,6 +319,16 @@ impl LayeredStock {
             }
         }
         took
+    }
+}
+
+/// Part of a way on which a value is positive that changes evenly from one to another.
+pub(in crate::cutting::milling) fn positive_share(before: f64, after: f64) -> f64 {
+    match (before > 0.0, after > 0.0) {
+        (true, true) => 1.0,
+        (false, false) => 0.0,
+        (true, false) => before / (before - after),
+        (false, true) => after / (after - before),
     }
 }
 

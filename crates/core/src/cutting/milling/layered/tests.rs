@@ -1,5 +1,5 @@
+use super::block::{Block, Hole};
 use super::cut::{LayeredCut, ToolPlace};
-use super::stock::{Block, Hole};
 use super::walls::Walls;
 use super::way::{Leg, Meant, WayFault, follow};
 use crate::cutting::milling::cutter::Cutter;

@@ -1,9 +1,10 @@
 //! The path of a milling tool as it is written: its depths, what it must not do, what it leaves.
 
+use super::block::{Block, Hole};
 use super::round;
 use super::sinking;
 use super::solid::Solid;
-use super::stock::{Block, Hole, LayeredStock, MOST_SUNK_M};
+use super::stock::{LayeredStock, MOST_SUNK_M};
 use super::walls::{Side, Station};
 use crate::cutting::milling::profile::Profile;
 use nalgebra::{Vector2, Vector3};
@@ -59,6 +60,18 @@ pub enum WayFault {
         drop_m * 1e3
     )]
     Plunge { point: usize, drop_m: f64 },
+    #[error(
+        "the tool goes down along its axis in the stock, by {:.4} of its way at ({:.3}, {:.3}, {:.3}) mm; it must not where \
+         it leans: its flat end does not cut. Lean it forwards, towards the feed, enter from beside the stock, or take \
+         a ball",
+        sinks, at_m.x * 1e3, at_m.y * 1e3, at_m.z * 1e3
+    )]
+    LeadsDown {
+        point: usize,
+        at_m: Vector3<f64>,
+        /// Way down along the axis, over the whole.
+        sinks: f64,
+    },
     #[error("the path never cuts the stock; it must reach into it")]
     Misses,
     #[error(
@@ -78,9 +91,10 @@ impl WayFault {
         match self {
             Self::StartsInStock => Some(0),
             Self::Misses => None,
-            Self::Rapid { point, .. } | Self::Plunge { point, .. } | Self::Beyond { point, .. } => {
-                Some(*point)
-            }
+            Self::Rapid { point, .. }
+            | Self::Plunge { point, .. }
+            | Self::LeadsDown { point, .. }
+            | Self::Beyond { point, .. } => Some(*point),
         }
     }
 }
