@@ -41,7 +41,11 @@ fn mill(desk: &Desk, name: &str, way: &str, cutter: &str) -> Summary {
 
 /// The plate, a path and further keys of the cutter.
 fn write(desk: &Desk, name: &str, way: &str, cutter: &str) {
-    std::fs::write(desk.path("way.nc"), way).unwrap();
+    let file = match way.starts_with("PARTNO") {
+        true => "way.apt",
+        false => "way.nc",
+    };
+    std::fs::write(desk.path(file), way).unwrap();
     let scenario = format!(
         r#"
 name = "Milled plate"
@@ -59,7 +63,7 @@ helix_deg = 30
 tangential_mpa = 600
 radial_mpa = 200
 [process.path_milling.path]
-file = "way.nc"
+file = "{file}"
 work_xyz_mm = [1050, -1450, 870]
 rapid_mm_per_s = 40
 [process.path_milling.stock]
@@ -231,6 +235,53 @@ fn a_ball_leaves_its_groove_and_has_no_limits() {
     assert!((removed / target - 1.0).abs() < 0.01, "{removed} {target}");
     assert!(target > exact_m3, "{target} {exact_m3}");
     part_without_defects(&desk, "slope");
+}
+
+/// The same groove by a ball that leans by 10 to 25 degrees and turns on its way, its middle on the
+/// line of above: as much stock, chips and a part without defects; a heel that drags is refused.
+#[test]
+fn a_ball_that_leans_leaves_the_groove_of_one_that_stands() {
+    let desk = Desk::new();
+    let (r_mm, depth_mm) = (6.0_f64, 2.0);
+    let goto = |x_mm: f64, lean_deg: f64| {
+        let (sin, cos) = lean_deg.to_radians().sin_cos();
+        // Forwards and to the side alike.
+        let axis = [sin * 0.6, sin * 0.8, cos];
+        let middle = [x_mm, 15.0, r_mm - depth_mm];
+        let tip: [f64; 3] = std::array::from_fn(|k| middle[k] - r_mm * axis[k]);
+        let words = tip.iter().chain(&axis).map(|one| format!("{one:.7}"));
+        format!("GOTO/{}\n", words.collect::<Vec<_>>().join(","))
+    };
+    let mut way = String::from("PARTNO/GROOVE\nUNITS/MM\nMULTAX/ON\nRAPID\n");
+    way += &goto(-12.0, 10.0);
+    way += "FEDRAT/1200,MMPM\n";
+    for k in 0..=20 {
+        let share = f64::from(k) / 20.0;
+        way += &goto(-12.0 + 42.0 * share, 10.0 + 15.0 * share);
+    }
+    way += "FINI\n";
+    let summary = mill(&desk, "leans", &way, "corner_radius_mm = 6");
+    let found = |name: &str| summary.metrics[&format!("path_milling.{name}")].unwrap();
+    let half_rad = (1.0 - depth_mm / r_mm).acos();
+    let section_mm2 = r_mm * r_mm * (half_rad - half_rad.sin() * half_rad.cos());
+    let cap_mm3 = std::f64::consts::PI * depth_mm * depth_mm * (r_mm - depth_mm / 3.0);
+    let exact_m3 = (section_mm2 * 30.0 + 0.5 * cap_mm3) * 1e-9;
+    for (name, within) in [
+        ("target_removed", 5e-3),
+        ("stock_removed", 0.01),
+        ("chip_volume", 0.01),
+    ] {
+        let found_m3 = found(name);
+        assert!(
+            (found_m3 / exact_m3 - 1.0).abs() < within,
+            "{name}: {found_m3} {exact_m3}"
+        );
+    }
+    assert!(found("surface_error_rms") < 60e-6);
+    part_without_defects(&desk, "leans");
+    desk.refused(&["lobes", "leans.toml"], &["corner_radius_mm"]);
+    write(&desk, "leans", &way, "");
+    desk.refused(&["lobes", "leans.toml"], &["way.apt", "leans"]);
 }
 
 /// Modes at 1 and 1.04 kHz.

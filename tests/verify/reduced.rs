@@ -54,7 +54,7 @@ type Bound = (&'static str, Option<&'static str>, [f64; 2], [f64; 2]);
 /// What differs at rapier's step is the linearisation, and what rapier errs by itself: the reduced
 /// plant meets process forces to fourth order, rapier to second. With a free rod chip regeneration
 /// magnifies any difference.
-const BOUNDS: [Bound; 19] = [
+const BOUNDS: [Bound; 20] = [
     ("arm/contour.toml", None, [1e-4, 5e-3], [1e-4, 5e-3]),
     ("arm/free_decay.toml", None, [0.04, 0.03], [0.04, 0.03]),
     ("arm/frequency_sweep.toml", None, [0.01, 0.01], [0.01, 0.01]),
@@ -133,6 +133,7 @@ const BOUNDS: [Bound; 19] = [
         [1e-5, 0.1],
         [1e-5, 1e-4],
     ),
+    ("milling/swarf.toml", Some("1.9"), [1e-5, 0.1], [1e-5, 1e-4]),
     ("diagnosis/elbow.toml", None, [1e-4, 1e-3], [1e-5, 4e-4]),
 ];
 
