@@ -110,8 +110,8 @@ fn verify_the_floor_of_a_flat_end_that_leans() {
         let target = meant.unwrap().target;
         let mut worst = 0.0_f64;
         for x in 5..12 {
-            for share in [-0.8, -0.55, -0.3, 0.0, 0.25, 0.5, 0.75] {
-                let floor_m = -1e-3 - r_m * lean_rad.sin() * (1.0 - share * share as f64).sqrt();
+            for share in [-0.8_f64, -0.55, -0.3, 0.0, 0.25, 0.5, 0.75] {
+                let floor_m = -1e-3 - r_m * lean_rad.sin() * (1.0_f64 - share * share).sqrt();
                 let place = |z_m: f64| Vector3::new(f64::from(x) * 1e-3, 15e-3 + share * r_m, z_m);
                 let (mut low, mut high) = (floor_m - grid_m, floor_m + grid_m);
                 for _ in 0..30 {
