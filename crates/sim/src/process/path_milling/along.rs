@@ -107,7 +107,13 @@ pub(crate) fn followed(
     };
     let work_from_world = way.world_from_work.inverse();
     let knots = &motion.knots;
-    let nominal = NominalPath::new(context.robot, knots, KNOT_INTERVAL_S, &work_from_world);
+    let nominal = NominalPath::new(
+        context.robot,
+        knots,
+        KNOT_INTERVAL_S,
+        &work_from_world,
+        false,
+    );
     Ok(Followed { motion, nominal })
 }
 

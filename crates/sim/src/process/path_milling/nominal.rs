@@ -36,18 +36,25 @@ pub(super) struct OnPath {
 }
 
 impl NominalPath {
-    /// Of an arm that is led through postures at even times, its tool upright.
+    /// Of an arm that is led through postures at even times, its tool upright or not.
     pub fn new(
         robot: &Robot,
         knots: &[Vec<f64>],
         interval_s: f64,
         work_from_world: &Isometry3<f64>,
+        leans: bool,
     ) -> Self {
-        let place = |q: &Vec<f64>| {
+        let mut axes = Vec::new();
+        let mut before = Rotation3::identity();
+        let mut places_m: Vec<Vector3<f64>> = Vec::with_capacity(knots.len());
+        for q in knots {
             let tool = work_from_world * robot.world_from_frame(q, FrameId::Tool);
-            tool.translation.vector
-        };
-        let places_m: Vec<Vector3<f64>> = knots.iter().map(place).collect();
+            places_m.push(tool.translation.vector);
+            if leans {
+                before = turned_to(&before, &Unit::new_normalize(tool.rotation * -Vector3::z()));
+                axes.push(before);
+            }
+        }
         let mut along_m = vec![0.0];
         for pair in places_m.windows(2) {
             along_m.push(along_m[along_m.len() - 1] + (pair[1] - pair[0]).norm());
@@ -56,25 +63,8 @@ impl NominalPath {
             interval_s,
             places_m,
             along_m,
-            axes: Vec::new(),
+            axes,
         }
-    }
-
-    /// The same of a tool that leans.
-    pub fn leaning(
-        self,
-        robot: &Robot,
-        knots: &[Vec<f64>],
-        work_from_world: &Isometry3<f64>,
-    ) -> Self {
-        let mut axes = Vec::with_capacity(knots.len());
-        let mut before = Rotation3::identity();
-        for q in knots {
-            let tool = work_from_world * robot.world_from_frame(q, FrameId::Tool);
-            before = turned_to(&before, &Unit::new_normalize(tool.rotation * -Vector3::z()));
-            axes.push(before);
-        }
-        Self { axes, ..self }
     }
 
     /// The place that is nearest to a way along the path, its number.

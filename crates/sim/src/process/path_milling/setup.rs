@@ -76,13 +76,12 @@ pub(super) fn parameters(
     check_feed(spec, way, &course)?;
     let from = context.departure(motion);
     let work_from_world = way.world_from_work.inverse();
-    let nominal = NominalPath::new(robot, &motion.knots, KNOT_INTERVAL_S, &work_from_world);
-    let (written, nominal) = match leans(way) {
-        false => (upright(spec, way, robot, &nominal)?, nominal),
-        true => {
-            let nominal = nominal.leaning(robot, &motion.knots, &work_from_world);
-            (swivel(spec, way, robot)?, nominal)
-        }
+    let leans = leans(way);
+    let knots = &motion.knots;
+    let nominal = NominalPath::new(robot, knots, KNOT_INTERVAL_S, &work_from_world, leans);
+    let written = match leans {
+        false => upright(spec, way, robot, &nominal)?,
+        true => swivel(spec, way, robot)?,
     };
     let tool_axes = robot.tool_axes(&from.posture);
     let modes = robot.cutting_modes(&from.posture, &spec.attached)?;

@@ -197,19 +197,9 @@ impl LayeredStock {
         if length_m <= 0.0 {
             return 0.0;
         }
-        let parts = (length_m / self.grid_m()).ceil().max(1.0);
-        let beyond = |part: f64| {
-            let share = low + (high - low) * part / parts;
+        positive_m(length_m, self.grid_m(), [low, high], |share| {
             value(&(from_m + along_m * share))
-        };
-        let mut sum = 0.0;
-        let mut before = beyond(0.0);
-        for part in 1..=parts as usize {
-            let after = beyond(part as f64);
-            sum += positive_share(before, after);
-            before = after;
-        }
-        length_m * sum / parts
+        })
     }
 
     /// Columns and rows of the nodes between two places.
@@ -322,14 +312,29 @@ impl LayeredStock {
     }
 }
 
-/// Part of a way on which a value is positive that changes evenly from one to another.
-pub(in crate::cutting::milling) fn positive_share(before: f64, after: f64) -> f64 {
-    match (before > 0.0, after > 0.0) {
-        (true, true) => 1.0,
-        (false, false) => 0.0,
-        (true, false) => before / (before - after),
-        (false, true) => after / (after - before),
+/// Length of a way on which a value is positive, m: it is asked for at shares between two, no
+/// further from each other than a spacing, and changes evenly between them.
+pub(in crate::cutting::milling) fn positive_m(
+    length_m: f64,
+    spacing_m: f64,
+    [low, high]: [f64; 2],
+    value: impl Fn(f64) -> f64,
+) -> f64 {
+    let parts = (length_m / spacing_m).ceil().max(1.0);
+    let mut sum = 0.0;
+    let at = |part: f64| value(low + (high - low) * part / parts);
+    let mut before = at(0.0);
+    for part in 1..=parts as usize {
+        let after = at(part as f64);
+        sum += match (before > 0.0, after > 0.0) {
+            (true, true) => 1.0,
+            (false, false) => 0.0,
+            (true, false) => before / (before - after),
+            (false, true) => after / (after - before),
+        };
+        before = after;
     }
+    length_m * sum / parts
 }
 
 /// Distance of a place from a straight piece, m.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::way::SwivelLeg;
 use crate::cutting::milling::layered::block::{Block, Hole};
 use crate::cutting::milling::layered::solid::Solid;
-use crate::cutting::milling::layered::stock::{FAR, LayeredStock, positive_share};
+use crate::cutting::milling::layered::stock::{FAR, LayeredStock, positive_m};
 use crate::cutting::milling::profile::Profile;
 
 /// Halvings by thirds that find where a body comes nearest to a place: to a thousandth of a piece.
@@ -272,19 +272,9 @@ impl DistanceField {
         if length_m <= 0.0 {
             return 0.0;
         }
-        let parts = (length_m / self.grid_m()).ceil().max(1.0);
-        let beyond = |part: f64| {
-            let share = low + (high - low) * part / parts;
+        positive_m(length_m, self.grid_m(), [low, high], |share| {
             self.beyond_m(&(from_m + along_m * share))
-        };
-        let mut sum = 0.0;
-        let mut before = beyond(0.0);
-        for part in 1..=parts as usize {
-            let after = beyond(part as f64);
-            sum += positive_share(before, after);
-            before = after;
-        }
-        length_m * sum / parts
+        })
     }
 
     /// A body of revolution that does not vibrate goes from one pose to another by less than its
