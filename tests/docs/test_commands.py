@@ -4,6 +4,7 @@ A document's blocks run in its order, in a copy of what is shipped, with the bui
 line before a block changes what is run:
 
     <!-- ci: short "the command in a form that takes less time" -->
+    <!-- ci: whole "such a form, which runs with TRUECUT_WHOLE=1 alone" -->
     <!-- ci: skip "why it cannot run" -->
 
 A command that names `$TRUECUT_DATA` is skipped where there is no measured data. Skipped blocks are named at the end of
@@ -30,7 +31,7 @@ DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / 
 THIS_RUN = "python3 tests/run.py"
 LONGEST_S = 900
 
-NOTE = re.compile(r'^<!-- ci: (short|skip) "(.*)" -->$')
+NOTE = re.compile(r'^<!-- ci: (short|whole|skip) "(.*)" -->$')
 # the workspace is not copied, so that nothing is built twice; a program that cargo starts runs in the copy. A bench of
 # one package alone would build the libraries with fewer features, once more: it is built as part of the workspace
 CARGO = """#!/bin/sh
@@ -60,14 +61,20 @@ class Block(NamedTuple):
         return f"{self.document.relative_to(ROOT)}:{self.line}: {first}"
 
     @property
+    def shown(self) -> str:
+        """What is run: the short form, if there is one."""
+        return self.text if self.note in ("short", "whole") else self.commands
+
+    @property
     def reason_to_skip(self) -> str | None:
         """Why it does not run here; `None` if it does."""
         if self.commands.strip() == THIS_RUN:
             return "runs these tests"
         if self.note == "skip":
             return self.text
-        shown = self.text if self.note == "short" else self.commands
-        if "$TRUECUT_DATA" in shown and "TRUECUT_DATA" not in os.environ:
+        if self.note == "whole" and os.environ.get("TRUECUT_WHOLE") != "1":
+            return "runs with TRUECUT_WHOLE=1, as in .ci/full"
+        if "$TRUECUT_DATA" in self.shown and "TRUECUT_DATA" not in os.environ:
             return "TRUECUT_DATA names no folder of measured data"
         return None
 
@@ -139,16 +146,15 @@ def desk(folder: Path) -> Path:
 
 def run(block: Block, folder: Path) -> None:
     """Runs a block, or its short form; it must end with exit code 0."""
-    commands = block.text if block.note == "short" else block.commands
     path = os.pathsep.join([str(folder / "tools"), str(Path(sys.executable).parent), os.environ["PATH"]])
     variables = os.environ | {"PATH": path, "NO_COLOR": "1", "TRUECUT_PYTHON": sys.executable}
     if "TRUECUT_DATA" in variables:
         variables["TRUECUT_DATA"] = str((ROOT / variables["TRUECUT_DATA"]).resolve())
-    command = ["bash", "-euo", "pipefail", "-c", commands]
+    command = ["bash", "-euo", "pipefail", "-c", block.shown]
     done = subprocess.run(
         command, cwd=folder, env=variables, capture_output=True, text=True, timeout=LONGEST_S, check=False
     )
-    assert done.returncode == 0, f"{commands}\nexit {done.returncode}\n{done.stdout}\n{done.stderr}"
+    assert done.returncode == 0, f"{block.shown}\nexit {done.returncode}\n{done.stdout}\n{done.stderr}"
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)

@@ -25,7 +25,7 @@ from truecut_reference.simulate import simulate  # noqa: E402
 
 RATE_HZ, DURATION_S, STEP_S = 500.0, 3.0, 0.2e-3
 NOISE_M = 1e-6
-CLEAN_SEEDS, HIDDEN_SEEDS = some(range(64_000, 64_020), 8), some(range(64_100, 64_108), 4)
+CLEAN_SEEDS, HIDDEN_SEEDS = some(range(64_000, 64_020), 5), some(range(64_100, 64_108), 3)
 
 
 class Shaken:

@@ -29,7 +29,7 @@ def causes(answer) -> list[tuple[str, str | None, dict]]:
     return [(one["kind"], one["target"], one["parameters"]) for one in answer.diagnosis["causes"]]
 
 
-@pytest.mark.parametrize("seed", some(range(9_781_000, 9_781_004), 2))
+@pytest.mark.parametrize("seed", some(range(9_781_000, 9_781_004), 1))
 def test_crosscheck_mujoco_a_base_that_gives_is_found_where_the_arm_rings(seed, tmp_path):
     """The base is without damping: a fit finds its compliance only from where the arm's frequency is nearly right."""
     case = draw_case(seed, "forward", "strong", tmp_path, "base_compliance")
@@ -53,7 +53,7 @@ class Placed(Forward):
         self.outputs = torques + [(f"tool.position_{axis}", "m") for axis in "xyz"]
 
 
-@pytest.mark.parametrize("seed", some(range(9_782_000, 9_782_004), 2))
+@pytest.mark.parametrize("seed", some(range(9_782_000, 9_782_004), 1))
 def test_crosscheck_mujoco_places_of_the_tool_show_a_link_of_another_length(seed, tmp_path, monkeypatch):
     """The file has the next joint, or the flange, elsewhere than the machine."""
     monkeypatch.setitem(drawn_case.MODES, "forward", Placed)

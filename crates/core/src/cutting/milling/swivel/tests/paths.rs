@@ -5,7 +5,8 @@ use super::*;
 /// A tool whose axis turns by 20 to 40 degrees on its way: chips, stock and path agree.
 #[test]
 fn verify_chips_of_a_tool_that_turns_are_what_the_stock_loses() {
-    for seed in 230..236 {
+    // Flat, ball and bull nose.
+    for seed in 230..233 {
         let mut draw = draws(seed);
         let profile = drawn(seed, &mut draw);
         let cutter = with_corner(profile, 2, draw(0.0, 0.6));
