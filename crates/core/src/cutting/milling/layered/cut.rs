@@ -78,6 +78,8 @@ pub(super) struct Passes {
     /// Rotation and place of the axis so many pitches before.
     pub(super) earlier: Vec<(f64, Vector3<f64>)>,
     pub(super) speed_m_per_rad: f64,
+    /// From where the tip has come down on a level path, m.
+    pub(super) highest_m: f64,
 }
 
 impl LayeredCut {
@@ -144,7 +146,7 @@ impl LayeredCut {
         let feed_m_per_rad = (at.place_m - passes.earlier[0].1).xy() / cutter.pitch_rad();
         let mut in_cut = vec![false; cutter.teeth];
         let mut ends_m = f64::NEG_INFINITY;
-        if self.ends_cut(at) {
+        if self.ends_cut(at, &passes) {
             // Up to where the tooth before stood it is they that cut.
             ends_m = passes.earlier[0].1.z;
             self.add_ends(&mut loads, at, &passes, &mut in_cut);
@@ -299,8 +301,14 @@ impl LayeredCut {
             (then_rad, self.trace.at(then_rad).displacement_m)
         };
         let [now, before] = self.fastest_m_per_rad;
+        let earlier: Vec<_> = (1..=REVOLUTIONS * self.cutter.teeth).map(then).collect();
+        let heights_m = earlier.iter().map(|(_, then_m)| then_m.z);
         Passes {
-            earlier: (1..=REVOLUTIONS * self.cutter.teeth).map(then).collect(),
+            highest_m: match at.sinks {
+                true => at.place_m.z,
+                false => heights_m.fold(at.place_m.z, f64::max),
+            },
+            earlier,
             speed_m_per_rad: now.max(before),
         }
     }
@@ -329,7 +337,7 @@ impl LayeredCut {
         if self.stock.block.outside_m(&tip_m) > most_m {
             return 0.0;
         }
-        let by_heights = piece.lean.is_shallow() || self.dives(layer, at.place_m.z);
+        let by_heights = piece.lean.is_shallow() || self.dives(layer, passes);
         let aside_m = ray.outward * self.to_middle_m(layer, piece, at.place_m.z);
         let beyond_m = |place_m: Vector2<f64>| self.stock.beyond_m(layer, &(place_m + aside_m));
         if !by_heights && beyond_m(tip_m) < -most_m - self.stock.grid_m() {

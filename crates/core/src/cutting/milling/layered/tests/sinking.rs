@@ -278,3 +278,47 @@ fn verify_chips_of_a_tool_that_dives_into_the_floor_are_what_it_takes() {
         assert!(off.abs() < 0.015, "{seed}: {off}");
     }
 }
+
+/// A tool on a level path whose arm swings it up from its floor and down onto it further on: of what
+/// stood under it there nothing is left to become a chip at its side. Flat ends and bull noses; chips
+/// do not depend on the grid, as what is taken by the nodes of its floor does.
+#[test]
+fn verify_chips_of_a_tool_that_comes_down_onto_its_floor_are_what_it_takes() {
+    for seed in 80..86 {
+        let mut draw = draws(seed);
+        let (r_m, depth_m, grid_m) = (draw(4e-3, 6e-3), draw(1e-3, 2e-3), draw(0.1e-3, 0.2e-3));
+        let (swing_m, revolutions) = (draw(0.2e-3, 0.45e-3), draw(8.0, 14.0));
+        let cutter = Cutter {
+            corner_radius_m: f64::from(u8::from(seed % 2 == 1)) * draw(0.2, 0.6) * r_m,
+            ..Cutter::straight(r_m, 2)
+        };
+        let way = legs(&[[-7.0, 20.0], [12.0, 20.0]], -depth_m * 1e3);
+        let off = |rotation: f64| Vector3::z() * swing_m * (1.0 + (rotation / revolutions).sin());
+        let [coarse, fine] = [grid_m, 0.5 * grid_m].map(|grid_m| {
+            let profile = cutter.profile();
+            let meant = follow(&way, BLOCK, &[], None, &profile, grid_m, false).unwrap();
+            let mut cut = cut_of(cutter, &meant, way[0].from_m);
+            let mut chips_m3 = 0.0;
+            lead(&mut cut, &way, 0.1e-3, off, |cut, at, _| {
+                chips_m3 += cut.evaluate(at).removal_m3_per_rad * TAU / STEPS as f64;
+            });
+            (chips_m3, taken_m3(&cut))
+        });
+        let off = [coarse.0 / fine.1 - 1.0, coarse.0 / fine.0 - 1.0];
+        println!("{seed}: swings by {:.2} mm, {off:?} off", 2e3 * swing_m);
+        assert!(off[0].abs() < 0.01, "{seed}: {off:?}");
+        assert!(off[1].abs() < 0.003, "{seed}: {off:?}");
+    }
+}
+
+/// What stood above the floor, by its nodes.
+fn taken_m3(cut: &LayeredCut) -> f64 {
+    let stock = cut.stock();
+    let (size, nodes) = (stock.block.most_m - stock.block.least_m, stock.nodes());
+    let cell_m2 = size.x / (nodes[0] - 1) as f64 * size.y / (nodes[1] - 1) as f64;
+    // A node on the block's face stands for half a cell.
+    let share = |node: usize| if node % nodes[0] == 0 { 0.5 } else { 1.0 };
+    let floor = cut.floor_m().iter().enumerate();
+    let each_m = floor.map(|(node, z)| share(node) * (-z).max(0.0));
+    cell_m2 * each_m.sum::<f64>()
+}
