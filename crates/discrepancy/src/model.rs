@@ -138,6 +138,11 @@ pub trait Model: Sync {
         false
     }
 
+    /// What is to be doubted about the data, whatever is named.
+    fn doubt(&self) -> Option<String> {
+        None
+    }
+
     /// Other set-ups that people mistake for one another: which way the arm hangs, how fast the
     /// clock of the data is.
     fn set_ups(&self) -> Vec<SetUp> {

@@ -9,7 +9,7 @@ use truecut::data;
 use truecut::outputs::write_file;
 use truecut_discrepancy::compare::{CompareError, Comparison, compare_recordings};
 use truecut_discrepancy::spikes;
-use truecut_discrepancy::trial::for_comparison;
+use truecut_discrepancy::trial::{begins_in_motion, for_comparison};
 use truecut_recording::{Measured, Recording};
 use truecut_scenario::Scenario;
 use truecut_sim::run::{Claims, Run};
@@ -67,6 +67,7 @@ pub fn compare(arguments: &CompareArguments) -> Result<ExitStatus, Failure> {
     let assumed = estimates(scenario, &Robots::new());
     (comparison.notes).extend(assumed.map_err(|error| Failure::sim(scenario, error))?);
     comparison.notes.extend(spiky);
+    (comparison.notes).extend(begins_in_motion(scenario, &measured));
     let folder = arguments.out.join(scenario.stem()).join(FOLDER);
     let written = told(&bar, "writing", || -> Result<_, Failure> {
         let written = write(&folder, &comparison, &simulated, &measured)?;

@@ -177,7 +177,8 @@ fn described(problem: &Problem, outcome: &Outcome, last: &Fit) -> Result<Diagnos
     let errors = standard_errors(problem, last, &problem.split.development)?;
     diagnosis.causes = causes(problem, last, &errors)?;
     diagnosis.nominal = nominal(problem, last, &errors);
-    diagnosis.doubts = doubts(problem, last);
+    diagnosis.doubts = problem.model.doubt().into_iter().collect();
+    diagnosis.doubts.extend(doubts(problem, last));
     let simulated = &outcome.base.predicted;
     let unrelated = (diagnosis.causes.iter()).filter_map(|one| unrelated(problem, simulated, one));
     diagnosis.doubts.extend(unrelated);

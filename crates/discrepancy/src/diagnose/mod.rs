@@ -36,6 +36,7 @@ mod moments;
 mod noise;
 mod orders;
 mod pairs;
+mod played;
 mod problem;
 mod race;
 mod refit;

@@ -237,6 +237,9 @@ impl Search<'_, '_> {
         });
         let mut trials = self.fit_all(starts, &outcome.orders, Race::Extending(base));
         trials.extend(self.scanned(base, &trials, &outcome.orders));
+        if base.point.effects.is_empty() {
+            trials.extend(self.played(base, &trials, &outcome.orders));
+        }
         self.failed |= trials.is_empty() && strong;
         if base.point.effects.is_empty() {
             let of = |count: usize| {

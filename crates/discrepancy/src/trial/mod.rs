@@ -4,6 +4,7 @@
 //! prediction in rapier. Scenarios that replay measured motion backwards (mode "inverse") integrate
 //! nothing and need neither.
 
+mod begin;
 mod bounds;
 pub(crate) mod cache;
 mod candidates;
@@ -36,6 +37,7 @@ use truecut_sim::found_start;
 use truecut_sim::run::{self, Engine, Rows, StepsPerPeriod};
 use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel, estimates};
 
+pub use self::begin::begins_in_motion;
 use self::cache::{Cache, RunKey};
 use self::jumps::Jumps;
 use self::length::check_length;
@@ -203,14 +205,11 @@ impl Trial {
         let mut measured = measured.clone();
         measured.notes.extend(known.untold);
         let samples = measured.time_s.len();
+        let thinned = thinning.and_then(|thinning| thinning.told(samples));
+        let uncommanded = observation::uncommanded(scenario, &measured, facts.joints.len());
         measured
             .notes
-            .extend(thinning.and_then(|thinning| thinning.told(samples)));
-        measured.notes.extend(observation::uncommanded(
-            scenario,
-            &measured,
-            facts.joints.len(),
-        ));
+            .extend(thinned.into_iter().chain(uncommanded));
         measured.notes.extend(estimates(scenario, &robots)?);
         if let Kind::Inverse { model, .. } = &engine {
             measured.notes.extend(model.beyond_limits());
@@ -354,6 +353,10 @@ impl Model for Trial {
 
     fn is_steady(&self) -> bool {
         matches!(self.engine, Kind::Steady(_))
+    }
+
+    fn doubt(&self) -> Option<String> {
+        begins_in_motion(&self.scenario, &self.measured)
     }
 
     fn set_ups(&self) -> Vec<SetUp> {

@@ -89,7 +89,9 @@ pub fn facts(table: &Table) -> TableFacts {
     let is_clock = |name: &str| {
         time.as_ref().is_some_and(|(found, ..)| found == name) || clocks.contains(&name)
     };
-    let columns = table.columns.iter().filter(|one| !is_clock(&one.name));
+    let is_left_aside = |name: &str| table.unusable.contains_key(name);
+    let columns =
+        (table.columns.iter()).filter(|one| !is_clock(&one.name) && !is_left_aside(&one.name));
     TableFacts {
         source: table.source.clone(),
         rows: table.rows(),

@@ -25,6 +25,8 @@ pub struct Table {
     pub lines: Vec<usize>,
     /// Units of columns, as the file writes them, where it does.
     pub units: BTreeMap<String, String>,
+    /// Columns that are there and cannot be used, and why, with the place in the file.
+    pub unusable: BTreeMap<String, String>,
     /// What was found or done on reading, one sentence each.
     pub notes: Vec<String>,
 }
@@ -113,8 +115,14 @@ impl Table {
     /// The values of a column.
     ///
     /// # Errors
-    /// A column that is not there; the nearest one is named.
+    /// A column that is not there; the nearest one is named. One that cannot be used, and why.
     pub fn column(&self, name: &str) -> Result<&[f64], DataError> {
+        if let Some(why) = self.unusable.get(name) {
+            return Err(DataError::File {
+                source_name: self.source.clone(),
+                message: why.clone(),
+            });
+        }
         let mut columns = self.columns.iter();
         let found = columns.find(|column| column.name == name);
         found.map(|column| &column.values[..]).ok_or_else(|| {

@@ -25,19 +25,29 @@ pub(super) fn meant(text: &str) -> Option<&'static str> {
     let mut words = SYNONYMS.iter().chain(&WORDS);
     let word = words.find(|(word, _)| *word == lower);
     word.map(|(_, symbol)| *symbol)
+        .or_else(|| run_together(text))
         .or_else(|| nearest(text, SYMBOLS.iter().map(|entry| entry.0)))
 }
 
 /// The symbol for what a file writes, if that can mean nothing else.
 pub(super) fn in_files(text: &str) -> Option<&'static str> {
     let plain = text.trim().replace('²', "^2").replace('³', "^3");
-    let plain = plain.replace(['·', '⋅'], " ");
+    let plain = plain.replace(['·', '⋅', '*'], " ");
     let mut symbols = SYMBOLS.iter().map(|entry| entry.0);
     symbols.find(|symbol| *symbol == plain).or_else(|| {
         let lower = plain.to_lowercase();
         let found = SYNONYMS.iter().find(|(word, _)| *word == lower);
-        found.map(|(_, symbol)| *symbol)
+        found
+            .map(|(_, symbol)| *symbol)
+            .or_else(|| run_together(&plain))
     })
+}
+
+/// The symbol of a product whose blanks were left out: "kNm".
+fn run_together(text: &str) -> Option<&'static str> {
+    let mut symbols = SYMBOLS.iter().map(|entry| entry.0);
+    let without = |symbol: &str| symbol.replace(' ', "");
+    symbols.find(|symbol| symbol.contains(' ') && without(symbol) == without(text))
 }
 
 #[cfg(test)]
@@ -55,6 +65,8 @@ mod tests {
             ("U/min", "rpm"),
             ("mm³", "mm^3"),
             ("Degrees", "deg"),
+            ("kNm", "kN m"),
+            ("kN*m", "kN m"),
         ] {
             assert_eq!(in_files(written), Some(symbol), "{written}");
         }

@@ -5,6 +5,7 @@ mod telegrams;
 #[cfg(test)]
 mod tests;
 mod text;
+mod unit_row;
 
 use std::path::Path;
 

@@ -215,7 +215,11 @@ fn an_unknown_unit_in_a_row_of_units_is_named() {
             "deg",
         ),
     ] {
-        let told = csv(text, true).unwrap_err().to_string();
+        // The others are read, and it is told where it is asked for.
+        let table = csv(text, true).unwrap();
+        assert!(table.column("t").is_ok());
+        let told = table.column(column).unwrap_err().to_string();
+        assert!(table.notes.iter().any(|note| note.contains(word)));
         let wanted = format!(
             "line {line}, column \"{column}\": unknown unit \"{word}\"; did you mean \"{meant}\"?"
         );
@@ -233,6 +237,30 @@ fn an_unknown_unit_in_a_row_of_units_is_named() {
     // In brackets a unit is said, whether it is known or not.
     let table = csv("t,q\n[s],[Inc]\n0,1\n", true).unwrap();
     assert_eq!(table.units["q"], "Inc");
+}
+
+#[test]
+fn a_column_of_text_is_left_aside_until_it_is_asked_for() {
+    let rows = "0,0;1,5;ok\n0,1;1,6;\n0,2;;\"Werkzeug heiß\"\n";
+    for head in [
+        "Zeit;Kraft;Bemerkung\n",
+        "Zeit;Kraft;Bemerkung\ns;N;-\n",
+        "Versuch 7\nPrüfer: Möller\n\nZeit;Kraft;Bemerkung\ns;N;\n",
+    ] {
+        let table = csv(&format!("{head}{rows}"), true).unwrap();
+        assert_eq!(table.column("Zeit").unwrap(), [0.0, 0.1, 0.2], "{head}");
+        assert_eq!(table.column("Kraft").unwrap()[..2], [1.5, 1.6], "{head}");
+        let line = head.lines().count() + 1;
+        let told = table.column("Bemerkung").unwrap_err().to_string();
+        let wanted = format!("line {line}, column \"Bemerkung\": \"ok\" is not a number");
+        assert!(told.contains(&wanted), "{told}");
+        assert!(table.notes.iter().any(|note| note.contains("Bemerkung")));
+    }
+    // One cell among numbers is damaged, and where nothing is a number the file is no table.
+    for text in ["t;F\n0,0;1,5\n0,1;l,6\n", "t;F\na;b\nc;d\n"] {
+        let told = csv(text, true).unwrap_err().to_string();
+        assert!(told.contains("is not a number"), "{told}");
+    }
 }
 
 #[test]

@@ -6,9 +6,9 @@ use arrow::compute::kernels::cast_utils::string_to_timestamp_nanos;
 use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
 use truecut_files::{CellRow, Cells, is_comment};
 use truecut_recording::measured::{Column, Table};
-use truecut_recording::{Unit, UnitError, UserUnit};
 
 use super::telegrams;
+use super::unit_row::{are_units, units_of, unknown_units};
 use crate::error::Reason;
 
 pub(super) fn text_table(path: &Path, header: bool) -> Result<Table, Reason> {
@@ -41,6 +41,8 @@ pub(super) fn text_table(path: &Path, header: bool) -> Result<Table, Reason> {
         notes.push("commas in quoted numbers are read as decimal ones".to_owned());
     }
     let mut table = table_of(cells, header)?;
+    let aside = table.unusable.values();
+    notes.extend(aside.map(|why| format!("left aside: {why}")));
     table.notes = notes;
     Ok(table)
 }
@@ -57,24 +59,32 @@ fn table_of(cells: Cells, header: bool) -> Result<Table, Reason> {
         rows.next();
         let is_units = |row: &CellRow| row.cells.len() == names.len() && are_units(&row.cells);
         let units = rows.next_if(is_units);
-        if let Some(row) = &units
-            && let Some((at, error)) = unknown_unit(&row.cells)
-        {
-            return Err(Reason::CellFault {
-                line: row.line,
-                column: names[at].clone(),
-                message: error.to_string(),
-            });
+        let line = units.as_ref().map_or(0, |row| row.line);
+        for (at, error) in units.iter().flat_map(|row| unknown_units(&row.cells)) {
+            let told = format!("line {line}, column \"{}\": {error}", names[at]);
+            table.unusable.insert(names[at].clone(), told);
         }
         table.units = units_of(&names, units.map(|row| row.cells));
+    }
+    let rows: Vec<CellRow> = rows.collect();
+    for (at, name) in names.iter().enumerate() {
+        if let Some((line, cell)) = text_in(&rows, at, decimal_comma) {
+            let told = format!(
+                "line {line}, column \"{name}\": \"{cell}\" is not a number, nor is any of its cells"
+            );
+            table.unusable.insert(name.clone(), told);
+        }
+    }
+    if table.unusable.len() == names.len() {
+        table.unusable.clear();
     }
     let column = |name| Column {
         name,
         values: Vec::new(),
     };
     table.columns = names.into_iter().map(column).collect();
-    for row in rows {
-        append(&mut table, &row, decimal_comma)?;
+    for row in &rows {
+        append(&mut table, row, decimal_comma)?;
     }
     if table.lines.is_empty() {
         let text = "there is no row below the names of the columns";
@@ -95,7 +105,14 @@ fn append(table: &mut Table, row: &CellRow, decimal_comma: bool) -> Result<(), R
         return Err(Reason::Line { line, message });
     }
     for (column, cell) in table.columns.iter_mut().zip(&row.cells) {
+        let of_text = || {
+            table
+                .unusable
+                .contains_key(&column.name)
+                .then_some(f64::NAN)
+        };
         let value = number(cell, decimal_comma)
+            .or_else(of_text)
             .ok_or_else(|| of_cell(line, &column.name, cell, decimal_comma))?;
         column.values.push(value);
         if is_first && is_stamp(cell, decimal_comma) {
@@ -105,6 +122,21 @@ fn append(table: &mut Table, row: &CellRow, decimal_comma: bool) -> Result<(), R
     }
     table.lines.push(line);
     Ok(())
+}
+
+/// The first text of a column in which no cell is a number: remarks, states. With its line.
+fn text_in(rows: &[CellRow], at: usize, decimal_comma: bool) -> Option<(usize, &str)> {
+    let mut cells = rows
+        .iter()
+        .filter_map(|row| Some((row.line, row.cells.get(at)?.as_str())));
+    let is_number = |cell: &str| {
+        let read = number(cell, decimal_comma).is_some_and(f64::is_finite);
+        read || truecut_files::number(cell, decimal_comma).is_some()
+    };
+    match cells.clone().any(|(_, cell)| is_number(cell)) {
+        true => None,
+        false => cells.find(|(_, cell)| number(cell, decimal_comma).is_none()),
+    }
 }
 
 /// Why a cell is not read.
@@ -209,11 +241,24 @@ fn preamble(text: &str) -> Option<(usize, usize)> {
     let (_, last) = lines.last()?;
     // What does not stand in a line does not delimit it: else a decimal comma would join two cells.
     let delimits = |delimiter: &Option<char>| delimiter.is_none_or(|one| last.contains(one));
-    let (delimiter, cells) = [Some(';'), Some('\t'), Some(','), None]
-        .into_iter()
-        .filter(delimits)
-        .find_map(|delimiter| Some((delimiter, numbers(last, delimiter)?)))?;
-    let data = (lines.iter()).position(|(_, line)| numbers(line, delimiter) == Some(cells))?;
+    let delimiters = [Some(';'), Some('\t'), Some(','), None];
+    let delimited = |rule: fn(&[bool]) -> bool| {
+        let mut those = delimiters.iter().copied().filter(delimits);
+        those.find_map(|delimiter| {
+            let shape = numbers(last, delimiter)?;
+            rule(&shape).then_some((delimiter, shape))
+        })
+    };
+    // Columns of remarks hold no numbers.
+    let (delimiter, shape) = delimited(|shape| shape.iter().all(|one| *one)).or_else(|| {
+        delimited(|shape| 2 * shape.iter().filter(|one| **one).count() >= shape.len())
+    })?;
+    let cells = shape.len();
+    let is_row = |line: &str| {
+        let found = numbers(line, delimiter).filter(|found| found.len() == cells);
+        found.is_some_and(|found| shape.iter().zip(found).all(|(wanted, is)| is || !wanted))
+    };
+    let data = lines.iter().position(|(_, line)| is_row(line))?;
     let are_words = |cells: &[String]| cells.iter().all(|cell| number(cell, true).is_none());
     let is_head = |&(_, line): &(usize, &str)| {
         let head = split(line, delimiter);
@@ -232,7 +277,7 @@ fn preamble(text: &str) -> Option<(usize, usize)> {
     // Names may be those of units: with one that is none, the names stand right above.
     let is_named = |above: usize| is_names(&lines[above]) && adjoins(above);
     if are_units(&units)
-        && (unknown_unit(&units).is_none() || names.checked_sub(1).is_some_and(is_named))
+        && (unknown_units(&units).next().is_none() || names.checked_sub(1).is_some_and(is_named))
     {
         names = names.checked_sub(1)?;
     }
@@ -243,17 +288,15 @@ fn preamble(text: &str) -> Option<(usize, usize)> {
     Some((lines[0].0, lines[above].0))
 }
 
-/// How many cells a line has, if each is a number or empty and one is a number.
-fn numbers(line: &str, delimiter: Option<char>) -> Option<usize> {
+/// Which cells of a line are numbers or empty, if one is a number.
+fn numbers(line: &str, delimiter: Option<char>) -> Option<Vec<bool>> {
     let cells = split(line, delimiter);
     let values = cells
         .iter()
         .map(|cell| number(cell, delimiter != Some(',')));
-    let values: Vec<f64> = values.collect::<Option<_>>()?;
-    values
-        .iter()
-        .any(|value| value.is_finite())
-        .then_some(values.len())
+    let values: Vec<Option<f64>> = values.collect();
+    let is_one = values.iter().flatten().any(|value| value.is_finite());
+    is_one.then(|| values.iter().map(Option::is_some).collect())
 }
 
 /// The cells of a line that is not looked at closer.
@@ -270,66 +313,6 @@ fn blanked(text: &str, lines: usize) -> String {
     let rest = text.split_inclusive('\n').skip(lines);
     let empty = "\n".repeat(lines);
     std::iter::once(empty.as_str()).chain(rest).collect()
-}
-
-/// Whether a row below the names is one of units: none is a number but for the unit "1", and one is
-/// a unit that is known or stands in brackets. Of the others some may be unknown.
-fn are_units(cells: &[String]) -> bool {
-    let is_unit =
-        |cell: &String| unbracketed(cell).is_some() || Unit::symbol_in_files(cell).is_some();
-    let is_number = |cell: &String| !has_no_unit(cell) && number(cell, true).is_some();
-    cells.iter().all(|cell| is_unit(cell) || !is_number(cell))
-        && cells.iter().any(|cell| is_unit(cell) && !is_number(cell))
-}
-
-/// Whether a cell of a row of units says that its column has none.
-fn has_no_unit(cell: &str) -> bool {
-    cell.is_empty() || cell == "-"
-}
-
-/// The first cell of a row of units that is none, unless it stands in brackets: who writes these
-/// says that it is a unit, though one that is of no use here.
-fn unknown_unit(cells: &[String]) -> Option<(usize, UnitError)> {
-    let unknown = |(at, cell): (usize, &String)| {
-        let is_known = Unit::symbol_in_files(cell).is_some();
-        if is_known || has_no_unit(cell) || unbracketed(cell).is_some() {
-            return None;
-        }
-        Some((at, UserUnit::parse(cell).err()?))
-    };
-    cells.iter().enumerate().find_map(unknown)
-}
-
-/// What stands in the brackets that a cell consists of.
-fn unbracketed(cell: &str) -> Option<&str> {
-    let within = |open, close| cell.strip_prefix(open)?.strip_suffix(close);
-    within('[', ']').or_else(|| within('(', ')'))
-}
-
-/// Units of the columns: from the row of them, else from brackets behind the names.
-fn units_of(
-    names: &[String],
-    row: Option<Vec<String>>,
-) -> std::collections::BTreeMap<String, String> {
-    let of_row = |cell: &String| {
-        let written = unbracketed(cell).unwrap_or(cell).trim();
-        Unit::symbol_in_files(written).unwrap_or(written).to_owned()
-    };
-    let of_name = |name: &String| {
-        let from = name.rfind(['[', '('])?;
-        let unit = unbracketed(&name[from..])?.trim();
-        let symbol = Unit::symbol_in_files(unit).filter(|_| from > 0);
-        symbol.map(str::to_owned)
-    };
-    let units = names.iter().enumerate().filter_map(|(index, name)| {
-        let unit = match &row {
-            Some(row) => of_row(&row[index]),
-            None => of_name(name)?,
-        };
-        let unit = if unit == "-" { "1".to_owned() } else { unit };
-        (!unit.is_empty()).then(|| (name.clone(), unit))
-    });
-    units.collect()
 }
 
 fn names(first: &CellRow, header: bool) -> Result<Vec<String>, Reason> {
@@ -360,7 +343,7 @@ fn names(first: &CellRow, header: bool) -> Result<Vec<String>, Reason> {
     Ok(first.cells.clone())
 }
 
-fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
+pub(super) fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     match cell {
         "" | "NA" | "na" | "N/A" | "n/a" | "#N/A" | "#NV" | "null" => Some(f64::NAN),
         // As Python writes them.

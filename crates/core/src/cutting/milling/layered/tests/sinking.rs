@@ -317,7 +317,10 @@ fn taken_m3(cut: &LayeredCut) -> f64 {
     let (size, nodes) = (stock.block.most_m - stock.block.least_m, stock.nodes());
     let cell_m2 = size.x / (nodes[0] - 1) as f64 * size.y / (nodes[1] - 1) as f64;
     // A node on the block's face stands for half a cell.
-    let share = |node: usize| if node % nodes[0] == 0 { 0.5 } else { 1.0 };
+    let share = |node: usize| match node.is_multiple_of(nodes[0]) {
+        true => 0.5,
+        false => 1.0,
+    };
     let floor = cut.floor_m().iter().enumerate();
     let each_m = floor.map(|(node, z)| share(node) * (-z).max(0.0));
     cell_m2 * each_m.sum::<f64>()
