@@ -317,6 +317,10 @@ impl Model for KeptModel<'_> {
         self.model.is_steady()
     }
 
+    fn doubt(&self) -> Option<String> {
+        self.model.doubt()
+    }
+
     fn set_ups(&self) -> Vec<SetUp> {
         self.model.set_ups()
     }

@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use truecut::{KeptModel, Staged, data};
+use truecut_discrepancy::compare::CompareError;
 use truecut_discrepancy::confirmed::Confirmed;
 use truecut_discrepancy::diagnose::{self, DiagnoseError, Progress, Stage};
 use truecut_discrepancy::model::Model;
@@ -105,6 +106,10 @@ fn prepared(
 ) -> Result<(Measured, Staged, Trial), Failure> {
     let read = || data::measured(scenario, arguments.data.as_deref());
     let data = told(bar, "reading", read)?;
+    if data.outputs().next().is_none() {
+        let message = format!("{}: {}", data.source, CompareError::NoOutput);
+        return Err(scenario.problem("data", message).into());
+    }
     let folder = arguments.out.join(scenario.stem());
     let files = files::prepare(scenario, &folder, &data.source)?;
     let trial = told(bar, "preparing", || Trial::new(scenario, &data));

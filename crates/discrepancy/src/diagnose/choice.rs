@@ -20,6 +20,8 @@ pub(super) const LEAST_T: f64 = 1.0;
 const FAR_OUT_PART: f64 = 0.5;
 /// In standard errors.
 const CLEARLY_BEHIND: f64 = 2.0;
+/// Part of what the best gains on the validation blocks that another may lack there.
+const SLIGHT: f64 = 0.01;
 
 impl Search<'_, '_> {
     /// The trial to take: of those that earn their place and are not clearly behind the best on the
@@ -46,6 +48,14 @@ impl Search<'_, '_> {
             .iter()
             .copied()
             .max_by(|&a, &b| gain(a).total_cmp(&gain(b)))?;
+        let value = |i: usize| criterion(self.problem, &trials[i], orders);
+        // What the blocks do not ask for, the moment at which play is crossed, other rows may.
+        let is_ahead = |i: usize| {
+            let added = &trials[i].point.effects[base.point.effects.len()..];
+            let dof = added.iter().map(|f| f.values.len()).sum();
+            let bar = critical(self.problem.options.family_wise_error, tests, dof);
+            value(i) + bar < value(best)
+        };
         let near = passing.iter().copied().filter(|&i| {
             let behind = compare(
                 &trials[i].residual,
@@ -55,9 +65,10 @@ impl Search<'_, '_> {
             );
             // Two models that say all but the same differ by next to nothing, and that may be many
             // standard errors.
-            behind.t() <= CLEARLY_BEHIND || behind.gain < DECISIVE
+            behind.t() <= CLEARLY_BEHIND
+                || behind.gain < DECISIVE
+                || behind.gain < SLIGHT * gain(best) && is_ahead(i)
         });
-        let value = |i: usize| criterion(self.problem, &trials[i], orders);
         let order = |a: &usize, b: &usize| {
             let effects = |i: usize| trials[i].point.effects.len();
             effects(*a)

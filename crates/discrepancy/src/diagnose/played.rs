@@ -15,8 +15,8 @@ use super::signature::with;
 
 /// Of the best fit's gain, what a fit must have that may stand for play.
 const NEAR_THE_BEST: f64 = 0.5;
-/// Widths, in parts of twice the offset that was fitted: a load that keeps its sign mostly holds
-/// the link at one end of the play.
+/// Widths, in parts of twice the offset or amplitude that was fitted: a load that keeps its sign
+/// mostly holds the link at one end of the play.
 const ABOUT_AN_OFFSET: [f64; 9] = [0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.3];
 /// In octaves of the typical width, from and to where all joints are searched, and steps of each.
 const OCTAVES: [i32; 2] = [-2, 5];
@@ -53,7 +53,10 @@ impl Search<'_, '_> {
                 continue;
             }
             let starts = self.best_widths(base, play, &alike);
-            found.extend(self.fit_all(starts, orders, Race::Extending(base)));
+            // The moments of the blows jump with the width: a fit may end beside the best
+            // width, by far better than all others, without a step that tells so.
+            let is_good = |fit: &Fit| fit.converged || gain(fit) > most;
+            found.extend(self.fit_such(starts, orders, Race::Extending(base), is_good));
         }
         found
     }
@@ -90,12 +93,14 @@ impl Search<'_, '_> {
     }
 }
 
-/// Whether an effect does what play does where the load keeps its sign, or does it to all of it.
+/// Whether an effect does what play does where the load keeps its sign, or does it to all of it, or
+/// where the sign follows the angle.
 fn stands_for_play(kind: EffectKind) -> bool {
     use EffectKind as K;
     matches!(
         kind,
         K::JointZero
+            | K::JointRipple
             | K::JointStiffness
             | K::JointCubicStiffness
             | K::JointHysteresis
@@ -112,8 +117,12 @@ fn widths(problem: &Problem, play: usize, alike: &[&Fit]) -> Vec<f64> {
         .collect();
     for fit in alike {
         let last = fit.point.effects.last().expect("it has an effect");
-        if problem.candidates[last.candidate].kind == EffectKind::JointZero {
-            let whole = 2.0 * last.values[0].abs();
+        let whole = match problem.candidates[last.candidate].kind {
+            EffectKind::JointZero => Some(2.0 * last.values[0].abs()),
+            EffectKind::JointRipple => Some(2.0 * last.values[0].hypot(last.values[1])),
+            _ => None,
+        };
+        if let Some(whole) = whole {
             widths.extend(ABOUT_AN_OFFSET.map(|part| part * whole));
         }
     }

@@ -336,18 +336,24 @@ impl Search<'_, '_> {
 
     /// Fits from all starts, best promise first; only as many as the simulations left allow. What
     /// falls far behind in the race is given up.
-    pub(super) fn fit_all(
+    pub(super) fn fit_all(&mut self, starts: Vec<Point>, orders: &[usize], race: Race) -> Vec<Fit> {
+        self.fit_such(starts, orders, race, |fit| fit.converged)
+    }
+
+    /// The same with all ends that are such.
+    pub(super) fn fit_such(
         &mut self,
         mut starts: Vec<Point>,
         orders: &[usize],
         race: Race,
+        is_such: impl Fn(&Fit) -> bool,
     ) -> Vec<Fit> {
         let problem = self.problem;
         starts.truncate((problem.left() / OF_A_FIT).max(1));
         let mut good = Vec::new();
         for trial in run(problem, starts, orders, race) {
             self.fits.push(FitRecord::new(problem, &trial));
-            good.extend(trial.end.ok().filter(|fit| fit.converged));
+            good.extend(trial.end.ok().filter(&is_such));
         }
         good
     }

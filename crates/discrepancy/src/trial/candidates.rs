@@ -339,3 +339,12 @@ fn sensor_scale(signals: &Signals, effect: SensorEffect, spread: f64) -> SensorE
         },
     }
 }
+
+/// Numbers of the candidates of such kinds.
+pub(crate) fn of_kinds(
+    candidates: &[Candidate],
+    is_such: impl Fn(EffectKind) -> bool,
+) -> Vec<usize> {
+    let all = 0..candidates.len();
+    all.filter(|&i| is_such(candidates[i].kind)).collect()
+}

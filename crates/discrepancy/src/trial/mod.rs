@@ -30,7 +30,7 @@ mod zeros;
 
 use truecut_recording::ChannelSpec;
 use truecut_recording::measured::Measured;
-use truecut_scenario::effect::{Effect, EffectKind, ParameterInfo, Target};
+use truecut_scenario::effect::{Effect, ParameterInfo, Target};
 use truecut_scenario::{ProcessSpec, ReplayMode, RobotSpec, Scenario, UncertainSpec};
 use truecut_sim::facts::{RobotFacts, robot_facts};
 use truecut_sim::found_start;
@@ -39,6 +39,7 @@ use truecut_sim::{Forces, InverseModel, Robots, SimError, SteadyModel, estimates
 
 pub use self::begin::begins_in_motion;
 use self::cache::{Cache, RunKey};
+pub(crate) use self::candidates::of_kinds;
 use self::jumps::Jumps;
 use self::length::check_length;
 pub use self::parallel::{Thinning, for_comparison};
@@ -205,11 +206,12 @@ impl Trial {
         let mut measured = measured.clone();
         measured.notes.extend(known.untold);
         let samples = measured.time_s.len();
-        let thinned = thinning.and_then(|thinning| thinning.told(samples));
-        let uncommanded = observation::uncommanded(scenario, &measured, facts.joints.len());
-        measured
-            .notes
-            .extend(thinned.into_iter().chain(uncommanded));
+        let told = [
+            thinning.and_then(|thinning| thinning.told(samples)),
+            observation::uncommanded(scenario, &measured, facts.joints.len()),
+            begins_in_motion(scenario, &measured),
+        ];
+        measured.notes.extend(told.into_iter().flatten());
         measured.notes.extend(estimates(scenario, &robots)?);
         if let Kind::Inverse { model, .. } = &engine {
             measured.notes.extend(model.beyond_limits());
@@ -384,15 +386,6 @@ impl Model for Trial {
         let rows = self.run(&scenario, self.reduced(), None)?;
         Ok(self.at_the_data(&rows, self.clock_rate(nominal)))
     }
-}
-
-/// Numbers of the candidates of such kinds.
-pub(crate) fn of_kinds(
-    candidates: &[Candidate],
-    is_such: impl Fn(EffectKind) -> bool,
-) -> Vec<usize> {
-    let all = 0..candidates.len();
-    all.filter(|&i| is_such(candidates[i].kind)).collect()
 }
 
 fn mode(scenario: &Scenario) -> Option<ReplayMode> {

@@ -90,6 +90,7 @@ struct Used<'a> {
 
 impl Used<'_> {
     fn of<'a>(table: &'a Table, mapping: &Mapping) -> Result<Used<'a>, DataError> {
+        table.usable_by(mapping)?;
         let (rows, time_s) = times(table, mapping)?;
         Ok(Used {
             table,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::DataError;
+use super::{DataError, Mapping};
 use crate::names::nearest;
 
 /// One column of a [`Table`].
@@ -117,12 +117,7 @@ impl Table {
     /// # Errors
     /// A column that is not there; the nearest one is named. One that cannot be used, and why.
     pub fn column(&self, name: &str) -> Result<&[f64], DataError> {
-        if let Some(why) = self.unusable.get(name) {
-            return Err(DataError::File {
-                source_name: self.source.clone(),
-                message: why.clone(),
-            });
-        }
+        self.usable(name)?;
         let mut columns = self.columns.iter();
         let found = columns.find(|column| column.name == name);
         found.map(|column| &column.values[..]).ok_or_else(|| {
@@ -134,6 +129,22 @@ impl Table {
                 known: known.collect::<Vec<_>>().join(", "),
             }
         })
+    }
+
+    fn usable(&self, name: &str) -> Result<(), DataError> {
+        match self.unusable.get(name) {
+            None => Ok(()),
+            Some(why) => Err(DataError::File {
+                source_name: self.source.clone(),
+                message: why.clone(),
+            }),
+        }
+    }
+
+    /// Whether no column of a mapping is one that cannot be used.
+    pub(super) fn usable_by(&self, mapping: &Mapping) -> Result<(), DataError> {
+        let mut terms = mapping.channels.iter().flat_map(|channel| &channel.terms);
+        terms.try_for_each(|term| self.usable(&term.column))
     }
 
     /// A row for a message: `row 12 (line 14)`, counted from 1.

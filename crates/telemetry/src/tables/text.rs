@@ -133,10 +133,16 @@ fn text_in(rows: &[CellRow], at: usize, decimal_comma: bool) -> Option<(usize, &
         let read = number(cell, decimal_comma).is_some_and(f64::is_finite);
         read || truecut_files::number(cell, decimal_comma).is_some()
     };
-    match cells.clone().any(|(_, cell)| is_number(cell)) {
-        true => None,
-        false => cells.find(|(_, cell)| number(cell, decimal_comma).is_none()),
+    // Digits and marks alone are a number that is written in another way.
+    let is_text = |cell: &str| cell.contains(char::is_alphabetic);
+    let is_mark = |cell: &str| number(cell, decimal_comma).is_none() && !is_text(cell);
+    if cells
+        .clone()
+        .any(|(_, cell)| is_number(cell) || is_mark(cell))
+    {
+        return None;
     }
+    cells.find(|(_, cell)| number(cell, decimal_comma).is_none())
 }
 
 /// Why a cell is not read.

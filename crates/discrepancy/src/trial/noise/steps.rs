@@ -115,7 +115,7 @@ mod tests {
         let valid = vec![true; 3000];
         for seed in 0..20 {
             let drawn = noise(Colour::White, 3000, seed);
-            let (step, travel) = (0.5 + 0.1 * seed as f64, 3000.0 * (1.0 + seed as f64));
+            let (step, travel) = (0.5 + 0.1 * seed as f64, 3e3 * (1 + seed % 5) as f64);
             let moved = |k: usize| travel * (2e-3 * k.min(2500) as f64).sin();
             let smooth: Vec<f64> = (0..3000).map(|k| step * moved(k)).collect();
             let mut read: Vec<f64> = (smooth.iter().zip(&drawn))

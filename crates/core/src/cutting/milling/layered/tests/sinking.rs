@@ -279,9 +279,9 @@ fn verify_chips_of_a_tool_that_dives_into_the_floor_are_what_it_takes() {
     }
 }
 
-/// A tool on a level path whose arm swings it up from its floor and down onto it further on: of what
-/// stood under it there nothing is left to become a chip at its side. Flat ends and bull noses; chips
-/// do not depend on the grid, as what is taken by the nodes of its floor does.
+/// A tool on a level path whose arm swings it up from its floor and down onto it further on: of
+/// what stood under it there nothing is left to become a chip at its side. Flat ends and bull
+/// noses; chips do not depend on the grid, as what is taken by the nodes of its floor does.
 #[test]
 fn verify_chips_of_a_tool_that_comes_down_onto_its_floor_are_what_it_takes() {
     for seed in 80..86 {
