@@ -6,7 +6,6 @@
 //! the axis; the force is that of a straight edge at a right angle to the spindle.
 
 use super::cut::{LayeredCut, Passes, ToolPlace};
-use super::stock::MOST_SUNK_M;
 use crate::cutting::milling::earlier::Ray;
 use crate::cutting::milling::slice::MillingLoads;
 use nalgebra::Vector2;
@@ -20,9 +19,6 @@ impl LayeredCut {
     pub(super) fn ends_cut(&self, at: &ToolPlace, passes: &Passes) -> bool {
         if self.cutter.centre_cutting && at.sinks {
             return true;
-        }
-        if !self.cutter.is_flat() {
-            return passes.highest_m - at.place_m.z > MOST_SUNK_M;
         }
         let lowest = self.engaged(at.place_m.z).next();
         lowest.is_some_and(|(layer, _)| self.dives(layer, passes))

@@ -43,11 +43,13 @@ impl LayeredCut {
         let profile = self.cutter.profile();
         let layers = self.stock.taken_by(tip_m, &profile);
         let before = self.stock.taken_by(from.1.z, &profile).start;
-        // Under an end that comes down, led or swinging, all is gone.
-        for layer in layers.start..before {
-            let middle_m = self.stock.layers()[layer].middle_m();
-            let radius_m = profile.radius_at_m(middle_m - tip_m);
-            self.stock.cut_disc(layer..layer + 1, &to.1.xy(), radius_m);
+        // Of a flat end that dives all is gone below it, too.
+        if self.cutter.centre_cutting || profile.is_flat() {
+            for layer in layers.start..before {
+                let middle_m = self.stock.layers()[layer].middle_m();
+                let radius_m = profile.radius_at_m(middle_m - tip_m);
+                self.stock.cut_disc(layer..layer + 1, &to.1.xy(), radius_m);
+            }
         }
         let earlier_m = self.trace.at(to.0 - self.cutter.pitch_rad()).displacement_m;
         let travel_m = (earlier_m - to.1).xy().norm();
