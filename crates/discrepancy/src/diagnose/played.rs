@@ -10,6 +10,7 @@ use super::fit::Fit;
 use super::noise::Noise;
 use super::problem::{Found, Point, Problem};
 use super::race::Race;
+use super::scan::with_one_more;
 use super::search::Search;
 use super::signature::with;
 
@@ -28,12 +29,8 @@ impl Search<'_, '_> {
     /// Fits of play in joints whose zero or compliance explains nearly as much as anything.
     pub(super) fn played(&mut self, base: &Fit, trials: &[Fit], orders: &[usize]) -> Vec<Fit> {
         let problem = self.problem;
-        let count = base.point.effects.len() + 1;
-        let singles: Vec<&Fit> = (trials.iter())
-            .filter(|trial| trial.point.effects.len() == count)
-            .collect();
+        let (singles, most) = with_one_more(base, trials);
         let gain = |trial: &Fit| base.objective - trial.objective;
-        let most = singles.iter().map(|trial| gain(trial)).fold(0.0, f64::max);
         let mut found = Vec::new();
         for play in problem.searched() {
             let of_play = &problem.candidates[play];

@@ -22,12 +22,8 @@ impl Search<'_, '_> {
     /// its best fit ended.
     pub(super) fn scanned(&mut self, base: &Fit, trials: &[Fit], orders: &[usize]) -> Vec<Fit> {
         let problem = self.problem;
-        let count = base.point.effects.len() + 1;
-        let of_one: Vec<&Fit> = (trials.iter())
-            .filter(|trial| trial.point.effects.len() == count)
-            .collect();
+        let (of_one, most) = with_one_more(base, trials);
         let gain = |trial: &Fit| base.objective - trial.objective;
-        let most = of_one.iter().map(|trial| gain(trial)).fold(0.0, f64::max);
         let mut found = Vec::new();
         for candidate in problem.searched() {
             let Some(shape) = many_shaped(problem, candidate) else {
@@ -109,6 +105,15 @@ impl Search<'_, '_> {
         optima.truncate(FROM);
         optima.into_iter().map(|i| at(grid[i])).collect()
     }
+}
+
+/// Fits of one effect more than a model, and the most that one of them gains on it.
+pub(super) fn with_one_more<'a>(base: &Fit, trials: &'a [Fit]) -> (Vec<&'a Fit>, f64) {
+    let count = base.point.effects.len() + 1;
+    let fits = trials.iter().filter(|fit| fit.point.effects.len() == count);
+    let gains = fits.clone().map(|fit| base.objective - fit.objective);
+    let most = gains.fold(0.0, f64::max);
+    (fits.collect(), most)
 }
 
 /// The parameter of a candidate that is a shape with many starts.
