@@ -26,7 +26,7 @@ from bench.joint_law import JointLaw  # noqa: E402
 from drawn.library import is_possible, resized, stiffening  # noqa: E402
 from drawn.moving import Moving  # noqa: E402
 from drawn.noise import COLOURS, draw_noise  # noqa: E402
-from drawn.oracle import DECISIVE, Oracle  # noqa: E402
+from drawn.oracle import DECISIVE, Oracle, cramer_rao  # noqa: E402
 from truecut_reference import scenario as scenario_file  # noqa: E402
 
 PROGRAM = os.environ.get("TRUECUT_BIN", run.PROGRAM)
@@ -133,6 +133,20 @@ def test_verify_the_oracle_finds_what_no_one_can_tell_apart(tmp_path):
         assert not label.separable
         assert label.evidence < DECISIVE
         assert any(rival.startswith("sensor_offset") for rival in label.rivals), label.rivals
+
+
+def test_verify_deviations_are_those_of_the_normal_matrix():
+    """Cramér and Rao's bound is the inverse of the normal matrix; what moves nothing, or as others do, has none."""
+    draw = np.random.default_rng(SEED + 31)
+    for _ in range(20):
+        tangents = draw.normal(0.0, 1.0, (200, 4)) * np.exp(draw.uniform(-12.0, 12.0, 4))
+        # of the columns scaled to one length, whose normal matrix can be inverted
+        length = np.linalg.norm(tangents, axis=0)
+        expected = np.sqrt(np.diag(np.linalg.inv((tangents / length).T @ (tangents / length)))) / length
+        assert np.allclose(cramer_rao(tangents), expected, rtol=1e-8)
+        idle = np.column_stack([tangents, np.zeros(200), tangents[:, 0] * 3.0])
+        found = cramer_rao(idle)
+        assert np.isinf(found[[0, 4, 5]]).all() and np.isfinite(found[1:4]).all(), found
 
 
 def test_verify_the_oracle_tells_what_can_be_told(tmp_path):

@@ -111,3 +111,41 @@ def test_data_are_made_at_steps_that_are_lost_in_the_noise(tmp_path):
     print(error(coarse), error(case.clean))
     assert error(coarse) > 0.5
     assert error(case.clean) < 0.1
+
+
+@pytest.mark.parametrize("seed", some([1_167_589_510, 9_930_001, 1_167_589_595, 9_930_003], 2))
+def test_crosscheck_mujoco_a_payload_is_found_wherever_it_is(seed, tmp_path):
+    """Far from the flange of a small arm its inertia counts for more than its weight."""
+    case = draw_case(seed, "inverse", "strong", tmp_path, None if seed > 10**9 else "payload")
+    (hidden,) = case.truth
+    answer = ask(PROGRAM, case, 2)
+    print(hidden, answer.verdict, answer.diagnosis["reason"])
+    (found,) = answer.diagnosis["causes"]
+    assert hidden.kind == found["kind"] == "payload"
+    mass = found["parameters"]["mass_kg"]["value"]
+    assert mass == pytest.approx(hidden.values["mass_kg"], rel=0.15)
+    for axis in "xyz":
+        told = found["parameters"][f"center_{axis}_m"]
+        if told["low"] is not None:
+            assert told["value"] == pytest.approx(hidden.values[f"center_{axis}_m"], abs=0.05)
+
+
+@pytest.mark.parametrize("seed", some([1_167_589_575, 1_167_589_346], 1))
+def test_crosscheck_mujoco_a_late_clock_is_told_beside_what_else_is_there(seed, tmp_path):
+    """All channels are late, and one is later, or a payload is there: two causes, not four."""
+    case = draw_case(seed, "inverse", "pair", tmp_path)
+    hidden = {(one.kind, one.target) for one in case.truth}
+    answer = ask(PROGRAM, case, 2)
+    print(hidden, answer.verdict, answer.diagnosis["reason"])
+    told = {(one["kind"], one["target"]) for one in answer.diagnosis["causes"]}
+    assert told == hidden
+
+
+@pytest.mark.parametrize("seed", some([1_167_589_446, 1_167_589_638, 1_167_589_002], 1))
+def test_crosscheck_mujoco_a_joint_that_rubs_all_round_has_dry_friction_and_an_offset(seed, tmp_path):
+    """Beside viscous friction, a dry one that differs between the directions is told as both."""
+    case = draw_case(seed, "inverse", "all joints", tmp_path)
+    hidden = {(one.kind, f"joint{one.target}") for one in case.truth}
+    answer = ask(PROGRAM, case, 2)
+    print(hidden, answer.verdict, answer.diagnosis["reason"])
+    assert {(one["kind"], one["target"]) for one in answer.diagnosis["causes"]} == hidden

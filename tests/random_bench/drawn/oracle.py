@@ -46,6 +46,21 @@ class Rival:
     loss: float
 
 
+# a direction that changes the data by less than this part of what one number alone does is not in them
+UNSEEN = 1e-9
+
+
+def cramer_rao(tangents: np.ndarray) -> np.ndarray:
+    """Least deviations of numbers whose tangents, whitened, are the columns; infinite where the data do not tell one."""
+    lengths = np.linalg.norm(tangents, axis=0)
+    scale = np.where(lengths > 0.0, lengths, 1.0)
+    _, found, directions = np.linalg.svd(tangents / scale)
+    seen = found > UNSEEN
+    squares = np.sum((directions[: found.size][seen] / found[seen, None]) ** 2, axis=0)
+    unseen = np.sum(directions[found.size :] ** 2, axis=0) + np.sum(directions[: found.size][~seen] ** 2, axis=0)
+    return np.where(unseen > UNSEEN, math.inf, np.sqrt(squares) / scale)
+
+
 class Oracle:
     """For one set."""
 
@@ -92,8 +107,7 @@ class Oracle:
         own = self.own_residual()
         basis, triangle = np.linalg.qr(tangents)
         left = own - basis @ (basis.T @ own)
-        inverse = np.linalg.pinv(triangle)
-        deviations = dict(zip(names, np.sqrt(np.sum(inverse**2, axis=1)).tolist()))
+        deviations = dict(zip(names, cramer_rao(triangle).tolist()))
         truth = self.loss(float(left @ left), tangents.shape[1])
         nothing = self.loss(float(self.start @ self.start), 0)
         if case.family == "all joints":

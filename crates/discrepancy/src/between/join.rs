@@ -142,5 +142,6 @@ fn both(first: &Output, second: &Output, factor: f64) -> Option<NoiseSample> {
     Some(NoiseSample {
         source: a.source,
         stretches: stretches.map(larger).collect(),
+        seen: a.seen.min(b.seen),
     })
 }

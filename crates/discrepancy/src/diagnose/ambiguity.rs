@@ -98,7 +98,9 @@ pub(super) fn rivals(problem: &Problem, outcome: &Outcome, fits: &[Fit]) -> Vec<
         .map(|r| r.fit.point.clone())
         .collect();
     for rival in &mut rivals {
-        let known = |point: &Point| generalises(problem, &rival.fit.point, point);
+        let known = |point: &Point| {
+            generalises(problem, &rival.fit.point, point) || is_beside(&rival.fit.point, point)
+        };
         rival.as_good &= !points.iter().any(known);
     }
     rivals
@@ -117,6 +119,12 @@ fn generalises(problem: &Problem, first: &Point, second: &Point) -> bool {
     };
     let (larger, smaller) = (&problem.candidates[*larger], &problem.candidates[*smaller]);
     larger.target == smaller.target && larger.kind.generalises(smaller.kind)
+}
+
+/// Whether the first has all the effects of the second, and more: which the second does not need.
+fn is_beside(first: &Point, second: &Point) -> bool {
+    let (more, fewer) = (first.kinds(), second.kinds());
+    more.len() > fewer.len() && fewer.iter().all(|kind| more.contains(kind))
 }
 
 /// Angle between what the two models, each with nominal parameters of its own, add to the model of

@@ -48,6 +48,8 @@ pub struct NoiseSample {
     pub source: NoiseSource,
     /// Stretches without gaps, each about its own mean.
     pub stretches: Vec<Vec<f64>>,
+    /// Part of the standard deviation of the noise of the whole record that these have.
+    pub seen: f64,
 }
 
 impl NoiseSample {
@@ -60,7 +62,11 @@ impl NoiseSample {
         stretches.retain(|one| one.len() > 1);
         let count: usize = stretches.iter().map(Vec::len).sum();
         let stretches: Vec<_> = stretches.iter().map(|one| centred(one)).collect();
-        (count >= least).then_some(NoiseSample { source, stretches })
+        (count >= least).then_some(NoiseSample {
+            source,
+            stretches,
+            seen: 1.0,
+        })
     }
 
     /// Mean length of a stretch.
@@ -93,6 +99,8 @@ pub(super) struct Floor {
     pub source: NoiseSource,
     /// Standard deviation, about the mean of so many samples.
     pub rms: f64,
+    /// Of the whole record, with what is slower.
+    pub whole: f64,
     window: Option<usize>,
     /// Relative error of the variance.
     error: f64,
@@ -125,6 +133,7 @@ impl Floor {
             return Some(Floor {
                 source: NoiseSource::Stated,
                 rms: noise,
+                whole: noise,
                 window: None,
                 error: output.noise_error,
                 memory: None,
@@ -152,6 +161,7 @@ impl Floor {
         Some(Floor {
             source: sample.source,
             rms,
+            whole: (own / sample.seen).hypot(output.noise_of_inputs),
             window: Some(sample.length()),
             error: (2.0 * memory / free).sqrt(),
             memory: (!is_rounded).then_some(memory),
@@ -281,7 +291,7 @@ fn whitening(sample: &NoiseSample, rms: f64) -> Option<ChannelNoise> {
 
 /// Sum of the squared autocorrelations: the factor by which the variance of a mean square exceeds
 /// that of white noise.
-fn memory(stretches: &[Vec<f64>]) -> f64 {
+pub(super) fn memory(stretches: &[Vec<f64>]) -> f64 {
     let whole: f64 = stretches.iter().map(|x| dot(x, x)).sum();
     let longest = stretches.iter().map(Vec::len).max().unwrap_or(0);
     let count: usize = stretches.iter().map(Vec::len).sum();

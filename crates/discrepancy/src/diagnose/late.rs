@@ -69,35 +69,52 @@ impl Search<'_, '_> {
     }
 
     /// One delay of all that is measured in place of those of each channel, where these agree as
-    /// nearly as samples tell, or where it does as well for its number of parameters.
+    /// nearly as samples tell, or where it does as well for its number of parameters; alone, or
+    /// beside those of the few channels that have more or less of it.
     fn common(&self, found: Fit, orders: Vec<usize>) -> Result<(Fit, Vec<usize>), DiagnoseError> {
         let problem = self.problem;
         let mut late = problem.late.iter().copied();
         let clock = late.find(|&one| problem.candidates[one].target == Target::Whole);
-        let delays: Vec<f64> = (of_delays(problem, &found.point).iter())
-            .map(|delay| delay.values[0])
+        let delays: Vec<Found> = (of_delays(problem, &found.point).into_iter())
+            .cloned()
             .collect();
         let Some(clock) = clock.filter(|_| delays.len() > 1) else {
             return Ok((found, orders));
         };
-        let common_s = mean(&delays);
+        let mut values: Vec<f64> = delays.iter().map(|delay| delay.values[0]).collect();
         let room_s = ALIKE * problem.candidates[clock].scale[0];
-        let agree = delays.len() + 1 == problem.late.len()
-            && delays.iter().all(|one| (one - common_s).abs() < room_s);
-        let mut one = problem.neutral(clock);
-        one.values[0] = common_s;
-        let mut point = found.point.clone();
-        point
-            .effects
-            .retain(|own| !problem.late.contains(&own.candidate));
-        point.effects.push(one);
-        let train = &problem.split.train;
-        let (common, own) = settled(problem, fit(problem, point, train, &orders, true)?)?;
-        let better = criterion(problem, &common, &orders) < criterion(problem, &found, &orders);
-        match agree || better {
-            true => Ok((common, own)),
-            false => Ok((found, orders)),
+        let all = delays.len() + 1 == problem.late.len();
+        let with = |common_s: f64, others: Vec<Found>| {
+            let mut one = problem.neutral(clock);
+            one.values[0] = common_s;
+            let mut point = found.point.clone();
+            (point.effects).retain(|own| !problem.late.contains(&own.candidate));
+            point.effects.push(one);
+            point.effects.extend(others);
+            point
+        };
+        let common_s = mean(&values);
+        let agree = all && values.iter().all(|one| (one - common_s).abs() < room_s);
+        let mut points = vec![with(common_s, Vec::new())];
+        values.sort_by(f64::total_cmp);
+        let median_s = values[values.len() / 2];
+        let mut others = delays.clone();
+        others.retain(|one| (one.values[0] - median_s).abs() >= room_s);
+        // Two channels with a delay each say nothing of both.
+        if all && !others.is_empty() && others.len() + 1 < delays.len() {
+            (others.iter_mut()).for_each(|one| one.values[0] -= median_s);
+            points.push(with(median_s, others));
         }
+        let train = &problem.split.train;
+        let value = |fit: &Fit| criterion(problem, fit, &orders);
+        let (mut best, mut own) = (found.clone(), orders.clone());
+        for (i, point) in points.into_iter().enumerate() {
+            let end = settled(problem, fit(problem, point, train, &orders, true)?)?;
+            if value(&end.0) < value(&best) || agree && i == 0 {
+                (best, own) = end;
+            }
+        }
+        Ok((best, own))
     }
 }
 

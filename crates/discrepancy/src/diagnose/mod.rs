@@ -16,6 +16,7 @@
 
 mod ambiguity;
 mod answer;
+mod body;
 mod budget;
 mod ceiling;
 mod choice;
@@ -51,6 +52,7 @@ mod signature;
 mod simpler;
 mod smooth;
 mod span;
+mod starts;
 mod step;
 mod together;
 mod uncertainty;

@@ -87,6 +87,16 @@ impl Moments {
         2.0 * b.dot(&self.target) - b.dot(&(&self.columns * &b))
     }
 
+    /// The same by the best positive multiple of these coefficients; nothing where that is none.
+    pub(super) fn explained_along(&self, coefficients: &[f64]) -> f64 {
+        let b = DVector::from_column_slice(coefficients);
+        let (with, own) = (b.dot(&self.target), b.dot(&(&self.columns * &b)));
+        match with > 0.0 && own > 0.0 {
+            true => with * with / own,
+            false => 0.0,
+        }
+    }
+
     pub(super) fn solve(&self, priors: &[Prior]) -> Vec<f64> {
         let scale: Vec<f64> = (self.squares().zip(priors))
             .map(|(s, p)| 1.0 / s.sqrt().hypot(p.precision).max(f64::MIN_POSITIVE.sqrt()))

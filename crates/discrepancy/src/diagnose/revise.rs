@@ -10,8 +10,9 @@ use super::noise::Noise;
 use super::problem::Point;
 use super::race::Race;
 use super::screen::{critical, rank};
-use super::search::{DECISIVE, Outcome, REFINED, Search, extended, settled, without};
+use super::search::{DECISIVE, Outcome, REFINED, Search, settled};
 use super::signature::tests;
+use super::starts::{extended, without};
 use super::validate::{gain_in_size, objective};
 
 /// Sizes, in parts of those found, from which a fit is made again.

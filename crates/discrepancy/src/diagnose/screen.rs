@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use super::body::placed;
 use super::derivatives::difference;
 use super::fit::Fit;
 use super::moments::solve;
@@ -48,14 +49,14 @@ pub(super) fn nuisance<'a>(problem: &Problem, base: &'a Fit) -> (Vec<&'a Columns
 const NEARER: usize = 4;
 
 /// A model that one more effect may extend, and what it explains by itself of the training rows.
-struct Extension<'a> {
-    problem: &'a Problem<'a>,
-    base: &'a Fit,
-    orders: &'a [usize],
-    nuisance: Vec<&'a Columns>,
-    priors: Vec<Prior>,
+pub(super) struct Extension<'a> {
+    pub(super) problem: &'a Problem<'a>,
+    pub(super) base: &'a Fit,
+    pub(super) orders: &'a [usize],
+    pub(super) nuisance: Vec<&'a Columns>,
+    pub(super) priors: Vec<Prior>,
     /// Minus twice its log-likelihood.
-    zero: f64,
+    pub(super) zero: f64,
 }
 
 /// What each signature would gain on the training rows, the best of each candidate that the point
@@ -101,7 +102,7 @@ impl<'a> Extension<'a> {
     }
 
     /// The residual by columns of which nothing is known beforehand and those of the model itself.
-    fn fit(&self, own: &[&Columns]) -> LinearFit {
+    pub(super) fn fit(&self, own: &[&Columns]) -> LinearFit {
         let mut priors = vec![Prior::default(); own.len()];
         priors.extend(&self.priors);
         fit_linear(
@@ -203,36 +204,10 @@ impl<'a> Extension<'a> {
         if signature.as_taken {
             found.start.clone_from(&signature.values);
         }
-        match self.with_moments(signature) {
+        match placed(self, signature) {
             Some(better) if better.gain > found.gain => better,
             _ => found,
         }
-    }
-
-    /// The same with the signature's moments beside its size.
-    fn with_moments(&self, signature: &Signature) -> Option<Ranked> {
-        let (&[size], false) = (&*signature.sizes, signature.moments.is_empty()) else {
-            return None;
-        };
-        let infos = self.problem.infos(signature.candidate);
-        let moments = signature.moments.iter().map(|moment| &moment.column);
-        let columns: Vec<&Columns> = signature.columns.iter().chain(moments).collect();
-        let fit = self.fit(&columns);
-        let (factor, rest) = fit.coefficients.split_first()?;
-        let secant = signature.values[size] - infos[size].neutral;
-        let mut start = signature.values.clone();
-        start[size] = infos[size].neutral + factor * secant;
-        for (moment, coefficient) in signature.moments.iter().zip(rest) {
-            start[moment.parameter] += moment.reach * coefficient / factor;
-        }
-        let possible =
-            (start.iter().zip(infos)).all(|(value, info)| (info.min..=info.max).contains(value));
-        possible.then(|| Ranked {
-            signature: signature.clone(),
-            start,
-            others: Vec::new(),
-            gain: (self.zero - fit.objective).max(0.0),
-        })
     }
 
     /// The prediction at the sizes that were found. Where it cannot be made, in a cut that chatters

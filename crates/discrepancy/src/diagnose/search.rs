@@ -8,11 +8,12 @@ use super::fit::{Fit, fit, unfitted};
 use super::noise::Noise;
 use super::orders::rippled;
 use super::pairs::pairs;
-use super::problem::{Found, Point, Problem};
+use super::problem::{Point, Problem};
 use super::race::{Race, run};
 use super::ringing::ringing;
 use super::screen::{Ranked, critical, rank};
 use super::signature::{Signature, signatures, tests};
+use super::starts::{all_starts, extended, is_like};
 use super::unite::united;
 use super::{DiagnoseError, Stage};
 
@@ -61,8 +62,6 @@ const OF_A_FIT: usize = 25;
 pub(super) const REFINED: usize = 12;
 /// There, signatures are those without the effects.
 const REFINED_BESIDE_EFFECTS: usize = 24;
-/// Values of two starts that differ by no more than this factor lead to the same end.
-const ALIKE: f64 = 2.0;
 /// In standard deviations of a nominal parameter.
 const FAR_SIGMA: f64 = 0.5;
 const PAIRED: usize = 30;
@@ -124,6 +123,11 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
             }
         }
     }
+    // What a delay leaves is seen beside it only, and others stand in its place.
+    if search.delays(&mut outcome)? && count(&outcome) < most {
+        search.ascend(&mut outcome, most)?;
+    }
+    let before = outcome.chosen.point.kinds();
     if (2..=most).contains(&count(&outcome)) {
         problem.report(Stage::Alternatives);
         for _ in 0..REPLACEMENTS {
@@ -133,6 +137,9 @@ pub(super) fn search(problem: &Problem) -> Result<Outcome, DiagnoseError> {
         }
     }
     search.prefer_the_first(&mut outcome)?;
+    if outcome.chosen.point.kinds() != before && count(&outcome) <= most {
+        search.backward(&mut outcome)?;
+    }
     if search.lengths(&mut outcome)? && count(&outcome) < most {
         search.ascend(&mut outcome, most)?;
     }
@@ -357,42 +364,4 @@ impl Search<'_, '_> {
         }
         good
     }
-}
-
-pub(super) fn extended(base: &Fit, added: &[&Ranked]) -> Point {
-    let mut point = base.point.clone();
-    point.effects.extend(added.iter().map(|r| Found {
-        candidate: r.candidate(),
-        values: r.start.clone(),
-        smoothing: 0.0,
-    }));
-    point
-}
-
-/// Whether both start with the same effects from values that are nearly the same, wherever the
-/// nominal ones are.
-fn is_like(a: &Point, b: &Point) -> bool {
-    let same = |a: &Found, b: &Found| {
-        let mut pairs = a.values.iter().zip(&b.values);
-        a.candidate == b.candidate
-            && pairs.all(|(x, y)| x == y || x / y > 1.0 / ALIKE && x / y < ALIKE)
-    };
-    a.effects.len() == b.effects.len() && a.effects.iter().zip(&b.effects).all(|(a, b)| same(a, b))
-}
-
-/// The best start and those of other shapes that promise half as much.
-fn all_starts(base: &Fit, ranked: &Ranked) -> Vec<Point> {
-    let mut starts = vec![extended(base, &[ranked])];
-    for other in &ranked.others {
-        let mut ranked = ranked.clone();
-        ranked.start.clone_from(other);
-        starts.push(extended(base, &[&ranked]));
-    }
-    starts
-}
-
-pub(super) fn without(point: &Point, index: usize) -> Point {
-    let mut point = point.clone();
-    point.effects.remove(index);
-    point
 }

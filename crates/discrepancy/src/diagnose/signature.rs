@@ -6,6 +6,7 @@ use truecut_scenario::effect::EffectKind;
 
 use super::derivatives::difference;
 use super::fit::Fit;
+use super::noise::add_columns;
 use super::problem::{Found, Point, Problem};
 use super::validate::rms;
 use crate::model::Columns;
@@ -28,15 +29,19 @@ pub(super) struct Signature {
 }
 
 /// A parameter whose product with the size adds to the change, as a payload's mass times its centre
-/// does: with mass and first moments the change is linear, wherever the centre is.
+/// does: with mass, first and second moments the change is linear, wherever the centre is.
 #[derive(Debug, Clone)]
 pub(super) struct Moment {
     /// Index of the parameter.
     pub parameter: usize,
-    /// How far it was moved, at the size of the signature.
+    /// How far it was moved to either side, at the size of the signature.
     pub reach: f64,
-    /// What that changed.
+    /// What that changed, as far as it goes with the parameter.
     pub column: Columns,
+    /// And as far as it goes with its square.
+    pub square: Columns,
+    /// And with its product with each of those before it.
+    pub products: Vec<Columns>,
 }
 
 /// Signatures of all candidates that the point does not hold, over their grids of starts.
@@ -138,21 +143,42 @@ impl Screening<'_, '_> {
         if of_candidate.kind != EffectKind::Payload {
             return Vec::new();
         }
-        let moment = |parameter: usize| {
-            let reach = of_candidate.scale[parameter];
+        let scale = &of_candidate.scale;
+        let moved = |parameters: &[(usize, f64)]| -> Option<Columns> {
             let mut moved = values.to_vec();
-            moved[parameter] += reach;
+            for (parameter, side) in parameters {
+                moved[*parameter] += side * scale[*parameter];
+            }
             let change = self.change(candidate, &moved, size, values[size])?;
-            Some(Moment {
-                parameter,
-                reach,
-                column: difference(&change, column, 1.0),
-            })
+            Some(difference(&change, column, 1.0))
         };
-        (0..values.len())
-            .filter(|parameter| *parameter != size)
-            .filter_map(moment)
-            .collect()
+        let shapes = (0..values.len()).filter(|parameter| *parameter != size);
+        let mut found: Vec<Moment> = Vec::new();
+        for parameter in shapes {
+            let sides = [1.0, -1.0].map(|side| moved(&[(parameter, side)]));
+            let [Some(up), Some(down)] = sides else {
+                return Vec::new();
+            };
+            let with = |other: &Moment| -> Option<Columns> {
+                let mut both = moved(&[(parameter, 1.0), (other.parameter, 1.0)])?;
+                for alone in [&up, &other.column, &other.square] {
+                    add_columns(&mut both, alone, -1.0);
+                }
+                Some(both)
+            };
+            let Some(products) = found.iter().map(with).collect() else {
+                return Vec::new();
+            };
+            let column = difference(&up, &down, 0.5);
+            found.push(Moment {
+                parameter,
+                reach: scale[parameter],
+                square: difference(&up, &column, 1.0),
+                column,
+                products,
+            });
+        }
+        found
     }
 
     /// How large a change is beside the residual, in the channel where it is largest.

@@ -11,8 +11,9 @@ use super::unite::AS_WELL;
 impl Search<'_, '_> {
     /// Takes the simpler law for each effect that does not stand out of it beside all others: what
     /// spoke for the larger one when it was added may have gone to those added since. Of more
-    /// causes than are looked for one after the other, where effects that add up are the rule, two
-    /// of these for one that says the same, too.
+    /// causes than are looked for one after the other, where effects that add up are the rule, and
+    /// of a joint with several frictions, two of these for one that says the same, too: viscous and
+    /// dry friction and an offset are what such a joint is told to have.
     pub(super) fn simplify(&mut self, outcome: &mut Outcome) -> Result<(), DiagnoseError> {
         let problem = self.problem;
         loop {
@@ -48,15 +49,22 @@ fn simpler(problem: &Problem, point: &Point) -> Vec<Point> {
 /// The points with two effects that add up in place of one that holds one of them as a limit and
 /// has no fewer numbers.
 fn divided(problem: &Problem, point: &Point) -> Vec<Point> {
-    if point.effects.len() <= problem.options.max_effects {
-        return Vec::new();
-    }
     let additive = problem.model.additive();
     let target = |candidate: usize| &problem.candidates[candidate].target;
     let numbers = |candidate: usize| problem.infos(candidate).len();
+    let adds_up = |candidate: usize| {
+        let kind = problem.candidates[candidate].kind;
+        let is_limit = |&one: &usize| kind.generalises(problem.candidates[one].kind);
+        additive.contains(&candidate) || additive.iter().any(is_limit)
+    };
+    let many = point.effects.len() > problem.options.max_effects;
     let mut found = Vec::new();
     for at in 0..point.effects.len() {
         let general = point.effects[at].candidate;
+        let mut beside = point.candidates().into_iter().filter(|&one| one != general);
+        if !many && !beside.any(|one| target(one) == target(general) && adds_up(one)) {
+            continue;
+        }
         let specials = specials(problem, point, at).into_iter();
         for special in specials.filter(|one| additive.contains(one)) {
             let others = additive.iter().copied().filter(|&other| {

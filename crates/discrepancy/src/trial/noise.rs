@@ -4,6 +4,8 @@
 mod carried;
 mod inputs;
 mod period;
+mod repeated;
+mod slow;
 mod steps;
 
 use std::ops::Range;
@@ -102,13 +104,17 @@ impl<'a> Recording<'a> {
             share,
         });
         let is_carried = filter.as_ref().is_some_and(|filter| filter.share < 1.0);
+        let repeated = self.repeated(used);
+        let carried = |noise: f64| match &filter {
+            Some(filter) if is_carried => (repeated.as_ref())
+                .and_then(|sample| self.left_of(noise, raw, sample))
+                .unwrap_or_else(|| carried(noise, filter, raw, used)),
+            _ => noise,
+        };
         Known {
-            stated: raw.noise.map(|noise| match &filter {
-                Some(filter) => carried(noise, filter, raw, used),
-                None => noise,
-            }),
+            stated: raw.noise.map(carried),
             stated_error: if is_carried { carried::ERROR } else { 0.0 },
-            sample: (self.repeated(used)).or_else(|| self.resting(used)),
+            sample: repeated.or_else(|| self.resting(used)),
             without_memory: share * without_memory(&raw.values, &raw.valid),
             held_step: held_step(&raw.values, &raw.valid, share),
         }
@@ -131,76 +137,6 @@ impl<'a> Recording<'a> {
             } => Some(compare_cutoff_hz),
             _ => None,
         }
-    }
-
-    /// Rows of each pass but the last, or of each period of the inputs, and how much later the next
-    /// is at the same place.
-    fn repeats(&self) -> Vec<(Range<usize>, f64)> {
-        let passes = self.raw.passes();
-        let count = self.used.time_s.len();
-        if passes.len() > 1 && self.raw.inputs().next().is_none() {
-            let interval_s = self.raw.interval_s();
-            let pairs = passes.windows(2).map(|pair| {
-                let lag = (pair[1].start_s - pair[0].start_s) / interval_s;
-                let end = pair[0].samples.end.min(pair[1].samples.end);
-                let known = before(lag, pair[1].samples.end);
-                (pair[0].samples.start..end.min(known), lag)
-            });
-            return pairs.collect();
-        }
-        let (Some(period), 1) = (self.period, passes.len()) else {
-            return Vec::new();
-        };
-        let last = before(period, count);
-        let starts = (0..).map(|k| (f64::from(k) * period).round() as usize);
-        let starts: Vec<usize> = starts.take_while(|start| *start < last).collect();
-        let ends = starts.iter().skip(1).copied().chain([last]);
-        let ranges = starts.iter().zip(ends).map(|(start, end)| *start..end);
-        ranges.map(|range| (range, period)).collect()
-    }
-
-    /// Samples of the data, and those at which the inputs come again.
-    fn again(&self) -> Vec<[usize; 2]> {
-        let pairs = self.repeats().into_iter().flat_map(|(rows, lag)| {
-            let rows = rows.filter(|row| row % self.every == 0);
-            rows.map(move |row| [row as f64, row as f64 + lag])
-        });
-        let sample = |row: f64| (row / self.every as f64).round() as usize;
-        let count = self.used.time_s.len().div_ceil(self.every);
-        pairs
-            .map(|pair| pair.map(sample))
-            .filter(|[_, later]| *later < count)
-            .collect()
-    }
-
-    /// Differences between one pass and the next, or one period of the inputs and the next, of the
-    /// size of the noise of one.
-    fn repeated(&self, used: &MeasuredChannel) -> Option<NoiseSample> {
-        let repeats = self.repeats().into_iter();
-        let stretches = repeats.map(|(rows, lag)| self.differences(used, lag, rows));
-        NoiseSample::of(NoiseSource::Repetition, stretches.collect(), LEAST_SAMPLES)
-    }
-
-    fn differences(
-        &self,
-        used: &MeasuredChannel,
-        lag: f64,
-        rows: impl Iterator<Item = usize>,
-    ) -> Vec<f64> {
-        // Between samples the mean of several has less noise than each, unless a filter made them
-        // alike.
-        let later = match self.cutoff_hz() {
-            Some(_) => 1.0,
-            None => weights(lag - lag.floor()).map(|w| w * w).iter().sum(),
-        };
-        let size = (1.0_f64 + later).sqrt();
-        rows.filter(|row| row % self.every == 0)
-            .filter(|row| used.valid[*row])
-            .filter_map(|row| {
-                let later = cubic(used, row as f64 + lag)?;
-                Some((later - used.values[row]) / size)
-            })
-            .collect()
     }
 
     /// Windows of the time during which all inputs stand still.
@@ -252,11 +188,6 @@ pub(crate) fn without_memory(values: &[f64], valid: &[bool]) -> f64 {
         }
     }
     if least.is_finite() { least } else { 0.0 }
-}
-
-/// The first row whose later one is not before the last but one of `count`.
-fn before(lag: f64, count: usize) -> usize {
-    (count as f64 - 1.0 - lag).max(0.0).ceil() as usize
 }
 
 /// Stretches of samples that are marked.

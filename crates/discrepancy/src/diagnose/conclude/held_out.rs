@@ -6,7 +6,7 @@ use crate::diagnose::choice::LEAST_T;
 use crate::diagnose::data::Rows;
 use crate::diagnose::fit::Fit;
 use crate::diagnose::problem::{Point, Problem};
-use crate::diagnose::search::without;
+use crate::diagnose::starts::without;
 use crate::diagnose::validate::{batch_sums, error_of_sum, rms};
 use crate::model::PredictError;
 

@@ -8,7 +8,7 @@
 use crate::diagnose::answer::{Diagnosis, names};
 use crate::diagnose::fit::Fit;
 use crate::diagnose::problem::{Point, Problem};
-use crate::diagnose::search::without;
+use crate::diagnose::starts::without;
 use crate::diagnose::validate::rms;
 use crate::model::PredictError;
 use truecut_scenario::effect::{EffectKind, Target};

@@ -104,7 +104,7 @@ fn share_of_colour(
 /// Part of a density that interpolation leaves, of which it leaves the part `white_kept` over all
 /// frequencies: as if it were needed for a part of the samples, which then lie anywhere between
 /// those of the file.
-fn kept_at(cycles: f64, white_kept: f64) -> f64 {
+pub(super) fn kept_at(cycles: f64, white_kept: f64) -> f64 {
     const PLACES: usize = 16;
     let place = |k: usize| weights((k as f64 + 0.5) / PLACES as f64);
     let mean = |of: &dyn Fn([f64; 4]) -> f64| {
