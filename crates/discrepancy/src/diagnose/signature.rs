@@ -269,17 +269,32 @@ pub(super) fn shaped(
 
 /// Starting values of a candidate for each combination of the shape parameters' starts.
 fn grid(problem: &Problem, candidate: usize) -> Vec<Vec<Vec<f64>>> {
-    let infos = problem.infos(candidate);
+    let infos = problem.infos(candidate).iter();
+    let scale = &problem.candidates[candidate].scale;
     let mut shapes = vec![Vec::new()];
-    for info in infos.iter().filter(|info| !info.is_size) {
+    for (info, scale) in infos.zip(scale).filter(|(info, _)| !info.is_size) {
         let starts = if info.starts.is_empty() {
             vec![info.neutral.clamp(info.min, info.max)]
         } else {
-            info.starts.to_vec()
+            moved_to(info.starts, *scale)
         };
         shapes = combine(&shapes, &starts);
     }
     ladders(problem, candidate, &shapes)
+}
+
+const A_FEW: usize = 4;
+
+/// Starts of a shape parameter, moved to where the machine's own scale is if that lies beyond them:
+/// friction falls by another speed in a joint that turns ten times as fast. More starts than a few
+/// are all that there may be.
+fn moved_to(starts: &[f64], scale: f64) -> Vec<f64> {
+    let (low, high) = (starts[0], starts[starts.len() - 1]);
+    if starts.len() > A_FEW {
+        return starts.to_vec();
+    }
+    let factor = scale / scale.clamp(low, high);
+    starts.iter().map(|start| start * factor).collect()
 }
 
 /// Starting values: for each combination of the shape parameters those of the sizes. Those that are

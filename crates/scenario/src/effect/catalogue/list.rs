@@ -83,7 +83,7 @@ Joint: JointEffect on Joint(joint: usize = *joint) {
         speed: "Speed by which the excess has fallen to 37 %"
             = joint("speed_m_per_s", Unit::MetrePerSecond,
                 "speed_rad_per_s", Unit::RadianPerSecond, 0.01, 1e-6, 1000.0)
-                .shape().starts(&[0.005, 0.02, 0.1]),
+                .shape().starts(&[0.005, 0.02, 0.05, 0.12]),
     }
     JointBacklash "joint_backlash" is Backlash in [Driven] follows Load:
         "Play between motor and link." {
