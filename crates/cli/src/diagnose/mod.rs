@@ -200,6 +200,7 @@ fn words(stage: Stage) -> Cow<'static, str> {
         Stage::Fitting(_) => "fitting causes".into(),
         Stage::Alternatives => "looking for other explanations".into(),
         Stage::Ceiling => "bounding what is left".into(),
+        Stage::Curve => "beyond the search: drawing what has no name as a curve".into(),
         Stage::Experiments => "looking for a better experiment".into(),
         Stage::SetUps => "trying other set-ups".into(),
     }

@@ -15,7 +15,6 @@ use rayon::prelude::*;
 use truecut_scenario::effect::{Effect, EffectKind, Target};
 
 use self::borne_out::borne_out;
-use super::DiagnoseError;
 use super::ambiguity::OVERWHELMING;
 use super::answer::{UnknownCurve, key_and_unit, target_name};
 use super::choice::{criterion, criterion_at};
@@ -27,6 +26,7 @@ use super::screen::critical;
 use super::search::{Outcome, settled};
 use super::uncertainty::covariance;
 use super::validate::{compare, objective};
+use super::{DiagnoseError, Stage};
 use crate::stats::ratio;
 
 /// Curves that are fitted, the best of those that were looked at.
@@ -72,6 +72,7 @@ pub(super) fn shown(
     [base, last]: [&Fit; 2],
     is_named: bool,
 ) -> Result<Option<Shown>, DiagnoseError> {
+    problem.report(Stage::Curve);
     let chosen = &outcome.chosen;
     let joints: Vec<&Target> = (chosen.point.effects.iter())
         .map(|found| &problem.candidates[found.candidate].target)

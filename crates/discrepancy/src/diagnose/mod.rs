@@ -124,6 +124,9 @@ pub enum Stage {
     Alternatives,
     /// Bound on the gain of any further model.
     Ceiling,
+    /// What has no name, as a curve: each of its values takes simulations of its own, beyond those
+    /// allowed for the search.
+    Curve,
     /// Experiments that would distinguish the causes.
     Experiments,
     /// Other set-ups than the scenario's.

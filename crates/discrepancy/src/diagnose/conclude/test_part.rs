@@ -12,7 +12,7 @@ use crate::diagnose::problem::Problem;
 use crate::diagnose::validate::{batch_sums, compare, error_of_sum, rms};
 use crate::model::Columns;
 use crate::stats::centred;
-use crate::stats::distributions::f_tail;
+use crate::stats::distributions::{chi_squared_quantile, f_tail};
 
 /// Errors on the test part.
 pub(super) fn errors(
@@ -26,7 +26,24 @@ pub(super) fn errors(
     let test = &problem.split.test;
     let nominal = rms(&problem.data.residual(before), test);
     let (refitted, after) = (rms(&base.residual, test), rms(&last.residual, test));
-    channel_errors(problem, floors, &nominal, &refitted, &after, &bound.floor)
+    let most: Vec<f64> = (bound.floor.iter().enumerate())
+        .map(|(c, floor)| floor.max(most_noise(problem, last, c)))
+        .collect();
+    channel_errors(problem, floors, &nominal, &refitted, &after, &most)
+}
+
+/// Noise of which what is left of a channel would be as little only by one chance in so many.
+const UNLIKELY_LITTLE: f64 = 0.05;
+
+/// The most that a channel's noise may be: what is left in all its samples, and by how much noise
+/// of the memory that this has may be larger than one record of it.
+fn most_noise(problem: &Problem, last: &Fit, channel: usize) -> f64 {
+    let all = problem.split.development.joined(&problem.split.test);
+    let rows = &all.per_channel[channel];
+    let left: Vec<f64> = rows.iter().map(|&t| last.residual[channel][t]).collect();
+    let degrees = (left.len() as f64 / memory(&[centred(&left)])).max(1.0);
+    let least = chi_squared_quantile(1.0 - UNLIKELY_LITTLE, degrees) / degrees;
+    (dot(&left, &left) / left.len().max(1) as f64 / least).sqrt()
 }
 
 /// Scores on the test part. It changes the verdict only where the test part contradicts it.
