@@ -79,10 +79,10 @@ impl Recording<'_> {
         Some(NoiseSample { seen, ..sample })
     }
 
-    /// What the filter leaves of an output's noise of this size, by what it takes of the differences
-    /// between periods, or, where that is nearly all, by the part that it leaves of them: what the
-    /// arm does beyond the cutoff comes again and is none of it. What is too slow to be seen in
-    /// differences passes the filter whole.
+    /// What the filter leaves of an output's noise of this size, by what it takes of the
+    /// differences between periods, or, where that is nearly all, by the part that it leaves of
+    /// them: what the arm does beyond the cutoff comes again and is none of it. What is too slow to
+    /// be seen in differences passes the filter whole.
     pub(super) fn left_of(
         &self,
         noise: f64,
@@ -143,7 +143,8 @@ fn size(sample: &NoiseSample, part: impl Fn(f64) -> f64) -> (f64, f64) {
     (squares.sum::<f64>() / free as f64, free as f64)
 }
 
-/// A channel's samples that many rows later less those at the rows, of the size of the noise of one.
+/// A channel's samples that many rows later less those at the rows, of the size of the noise of
+/// one.
 fn differences(
     channel: &MeasuredChannel,
     lag: f64,
