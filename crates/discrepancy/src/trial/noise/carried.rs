@@ -106,19 +106,21 @@ fn share_of_colour(
 /// those of the file.
 pub(super) fn kept_at(cycles: f64, white_kept: f64) -> f64 {
     const PLACES: usize = 16;
-    let place = |k: usize| weights((k as f64 + 0.5) / PLACES as f64);
-    let mean = |of: &dyn Fn([f64; 4]) -> f64| {
-        (0..PLACES).map(|k| of(place(k))).sum::<f64>() / PLACES as f64
+    let mean = |of: &dyn Fn(f64) -> f64| {
+        let places = (0..PLACES).map(|k| (k as f64 + 0.5) / PLACES as f64);
+        places.map(of).sum::<f64>() / PLACES as f64
     };
-    let whole = mean(&|weights| weights.iter().map(|w| w * w).sum());
-    let here = mean(&|weights| {
-        let terms = weights.iter().zip(0..4).map(|(weight, k)| {
-            let turn = std::f64::consts::TAU * cycles * f64::from(k);
-            Complex64::from_polar(*weight, turn)
-        });
-        terms.sum::<Complex64>().norm_sqr()
-    });
+    let whole = mean(&|place| weights(place).iter().map(|w| w * w).sum());
+    let here = mean(&|place| left_between(place, cycles));
     1.0 - (1.0 - white_kept) / (1.0 - whole) * (1.0 - here)
+}
+
+/// Part of a density that a cubic leaves between samples, at this fraction of an interval.
+pub(super) fn left_between(fraction: f64, cycles: f64) -> f64 {
+    let terms = weights(fraction).into_iter().zip(0..4).map(|(weight, k)| {
+        Complex64::from_polar(weight, std::f64::consts::TAU * cycles * f64::from(k))
+    });
+    terms.sum::<Complex64>().norm_sqr()
 }
 
 /// A density of unit variance.

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use truecut_recording::fft::{Complex64, forward};
+use truecut_recording::fft::forward;
 use truecut_recording::measured::MeasuredChannel;
 
-use super::carried::kept_at;
+use super::carried::{kept_at, left_between};
 use super::slow::{Lengths, seen};
 use super::{LEAST_SAMPLES, Recording, cubic, weights};
 use crate::diagnose::{NoiseSample, NoiseSource};
@@ -100,7 +100,7 @@ impl Recording<'_> {
         // samples, and of both where stamps are irregular.
         let regular = raw.white_kept >= 1.0;
         let (whole, free) = size(&before, |cycles| {
-            let of_later = between(fraction, cycles);
+            let of_later = left_between(fraction, cycles);
             let of_both = if regular {
                 1.0
             } else {
@@ -117,14 +117,6 @@ impl Recording<'_> {
         let part = ((left + slow) / (whole + slow)).sqrt();
         (part > 0.0 && part <= 1.0).then_some(part * noise)
     }
-}
-
-/// Part of a density that is left between samples, at this fraction of an interval.
-fn between(fraction: f64, cycles: f64) -> f64 {
-    let terms = weights(fraction).into_iter().zip(0..4).map(|(weight, k)| {
-        Complex64::from_polar(weight, std::f64::consts::TAU * cycles * f64::from(k))
-    });
-    terms.sum::<Complex64>().norm_sqr()
 }
 
 /// Mean square of a sample about the means of its stretches, each frequency by its part, and its
