@@ -83,6 +83,12 @@ pub enum Reason {
          `pip install rosbags` and `rosbags-convert --src BAG --dst NEW_BAG --dst-storage mcap`"
     )]
     Sqlite,
+    /// A file of MATLAB's, or in HDF5.
+    #[error(
+        "files of MATLAB and HDF5 are not read; make a table of it with \
+         `pip install \"truecut[convert]\"` and `python -m truecut.convert FILE -o NEW.parquet`"
+    )]
+    Hierarchical,
     /// A folder, which a ROS 2 bag is.
     #[error("it is a folder; of a ROS 2 bag, give the .mcap file in it")]
     Folder,

@@ -39,6 +39,7 @@ pub fn read_table(path: &Path, header: bool) -> Result<Table, FileError> {
         Some(Kind::Parquet) => contained(|| arrow_table::parquet_table(path)),
         Some(Kind::Arrow) => contained(|| arrow_table::arrow_table(path)),
         Some(Kind::Log | Kind::Sqlite) => Err(Reason::LogForTable),
+        Some(Kind::Hierarchical) => Err(Reason::Hierarchical),
         None => Err(Reason::UnknownTable),
     };
     let mut table = read.map_err(|reason| FileError::new(path, reason))?;
@@ -74,6 +75,7 @@ enum Kind {
     Arrow,
     Log,
     Sqlite,
+    Hierarchical,
 }
 
 fn kind(path: &Path) -> Option<Kind> {
@@ -84,6 +86,7 @@ fn kind(path: &Path) -> Option<Kind> {
         "arrow" | "feather" | "arrows" => Kind::Arrow,
         "mcap" => Kind::Log,
         "db3" => Kind::Sqlite,
+        "mat" | "h5" | "hdf5" => Kind::Hierarchical,
         _ => return None,
     })
 }
