@@ -4,6 +4,7 @@ use thiserror::Error;
 use truecut_recording::significant;
 
 use super::series::{Pair, centred, rms};
+use crate::stats::ratio;
 
 /// A factor with which the measured channel would fit.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -31,6 +32,10 @@ const ABSURD: f64 = 0.6;
 /// The factor must reduce the error to below this fraction of it, and below this value.
 const FAR_BETTER: f64 = 0.4;
 const FITTING: f64 = 0.5;
+/// Where another factor leaves less than this part of what a unit's leaves, and that is more than a
+/// machine that is not quite as it is modelled explains, the channel has that factor: a gain.
+const AS_GOOD: f64 = 0.5;
+const NOT_QUITE: f64 = 0.15;
 
 /// Looks for a factor (powers of ten, degrees, turns, rpm, standard gravity, inches, pounds, the
 /// sign) that removes most of such a residual.
@@ -50,7 +55,9 @@ pub fn unit_suspicion(pair: &Pair<'_>) -> Option<UnitSuspicion> {
             error_with_factor: error(factor),
         });
     let best = tried.min_by(|a, b| a.error_with_factor.total_cmp(&b.error_with_factor))?;
-    (best.error_with_factor < (FAR_BETTER * now).min(FITTING)).then_some(best)
+    let is_unit = best.error_with_factor <= NOT_QUITE
+        || AS_GOOD * best.error_with_factor <= error(sizes.likeliest());
+    (is_unit && best.error_with_factor < (FAR_BETTER * now).min(FITTING)).then_some(best)
 }
 
 /// A measured and a simulated series without their means, both of some size.
@@ -73,6 +80,17 @@ impl Sizes<'_> {
             valid: pair.valid,
             rms,
         })
+    }
+
+    /// The factor on the measured values that leaves least.
+    fn likeliest(&self) -> f64 {
+        let rows = self.measured.iter().zip(&self.simulated).zip(self.valid);
+        let (mut both, mut own) = (0.0, 0.0);
+        for ((m, s), _) in rows.filter(|(_, valid)| **valid) {
+            both += m * s;
+            own += m * m;
+        }
+        ratio(both, own)
     }
 
     /// What is left with a factor on the measured values, over the larger RMS of the two.

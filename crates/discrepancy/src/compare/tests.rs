@@ -291,6 +291,10 @@ fn a_wrong_unit_is_named_and_a_poor_model_is_not() {
     for poor in [0.5, 1.0, 2.0, 2.5] {
         assert!(compared(&scaled(poor), &simulated, &[]).is_ok(), "{poor}");
     }
+    // A gain of 3.4 is not newtons taken for pounds of force, which would be 4.45.
+    let rows = simulated.iter().zip(&noise);
+    let gained: Vec<f64> = rows.map(|(s, n)| 3.4 * (s + 0.02 * n)).collect();
+    assert!(compared(&gained, &simulated, &[]).is_ok());
     // Unrelated channels: no factor helps.
     assert!(compared(&noise, &simulated, &[]).is_ok());
 }
