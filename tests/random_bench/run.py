@@ -98,7 +98,9 @@ def main(arguments: list[str] | None = None) -> int:
     commit, changed, first = None, None, options.seed
     if options.report:
         try:
-            commit, changed = git("rev-parse", "HEAD"), bool(git("status", "--porcelain", "--untracked-files=no"))
+            commit = git("rev-parse", "HEAD")
+            but_log = f":(exclude,top){LOG.relative_to(ROOT).as_posix()}"
+            changed = bool(git("status", "--porcelain", "--untracked-files=no", "--", ".", but_log))
         except subprocess.CalledProcessError as error:
             parser.error(f"a report takes its seeds from the commit: {error.stderr.strip()}")
         first = seed_of_commit(commit)
