@@ -26,8 +26,9 @@ pub(super) fn errors(
     let test = &problem.split.test;
     let nominal = rms(&problem.data.residual(before), test);
     let (refitted, after) = (rms(&base.residual, test), rms(&last.residual, test));
+    let all = problem.split.development.joined(test);
     let most: Vec<f64> = (bound.floor.iter().enumerate())
-        .map(|(c, floor)| floor.max(most_noise(problem, last, c)))
+        .map(|(c, floor)| floor.max(most_noise(&last.residual[c], &all.per_channel[c])))
         .collect();
     channel_errors(problem, floors, &nominal, &refitted, &after, &most)
 }
@@ -37,10 +38,8 @@ const UNLIKELY_LITTLE: f64 = 0.05;
 
 /// The most that a channel's noise may be: what is left in all its samples, and by how much noise
 /// of the memory that this has may be larger than one record of it.
-fn most_noise(problem: &Problem, last: &Fit, channel: usize) -> f64 {
-    let all = problem.split.development.joined(&problem.split.test);
-    let rows = &all.per_channel[channel];
-    let left: Vec<f64> = rows.iter().map(|&t| last.residual[channel][t]).collect();
+fn most_noise(residual: &[f64], rows: &[usize]) -> f64 {
+    let left: Vec<f64> = rows.iter().map(|&t| residual[t]).collect();
     let degrees = (left.len() as f64 / memory(&[centred(&left)])).max(1.0);
     let least = chi_squared_quantile(1.0 - UNLIKELY_LITTLE, degrees) / degrees;
     (dot(&left, &left) / left.len().max(1) as f64 / least).sqrt()
@@ -156,10 +155,11 @@ fn is_larger(before: &[f64], after: &[f64], least: f64, ratio: f64) -> bool {
     let expected = error_of_sum(&batch_sums(&squares(before))) / n * (n / m).sqrt();
     let mean = |x: &[f64]| squares(x).iter().sum::<f64>() / x.len() as f64;
     let (a, b) = (mean(before), mean(after));
-    let independent = |count: f64| (count / memory(&[centred(before)])).max(1.0);
-    b > ratio * a
-        && b - a > least * expected
-        && f_tail(b / a, independent(m), independent(n)) < BY_CHANCE
+    if b <= ratio * a || b - a <= least * expected {
+        return false;
+    }
+    let memory = memory(&[centred(before)]);
+    f_tail(b / a, (m / memory).max(1.0), (n / memory).max(1.0)) < BY_CHANCE
 }
 
 /// What is left is noise without memory if it is larger than that by no more than this.
